@@ -1,0 +1,15 @@
+"""camp: multi-skill legged locomotion with conditional adversarial motion priors."""
+
+import ctypes.util
+import os
+import sys
+
+# OpenMP workers that spin while they wait starve the simulator's threads (a fivefold slow-down on two
+# cores); the policy is read when the OpenMP library loads, hence before anything imports torch.
+os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
+
+# MuJoCo chooses its renderer when it is imported, and its default needs a display.
+if sys.platform == "linux" and not os.environ.get("DISPLAY") and ctypes.util.find_library("EGL"):
+    os.environ.setdefault("MUJOCO_GL", "egl")
+
+__version__ = "0.1.0"

@@ -1,0 +1,17 @@
+"""Errors a user can act on: one line that names the thing, the value and the remedy."""
+
+
+class CampError(Exception):
+    """Base of every error that is the input's fault; command lines print it without a traceback."""
+
+
+class ConfigError(CampError):
+    """A configuration key holds a value that cannot work."""
+
+
+class ClipError(CampError):
+    """An expert motion clip is missing, unreadable or wrong."""
+
+
+class CheckpointError(CampError):
+    """A checkpoint is missing, unreadable or does not fit the run."""

@@ -1,0 +1,1 @@
+"""The robot: model file, physical constants and leg kinematics."""
