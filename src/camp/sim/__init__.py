@@ -1,0 +1,1 @@
+"""Simulators: many robots stepped together behind one protocol."""
