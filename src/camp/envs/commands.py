@@ -1,0 +1,31 @@
+"""Velocity commands and skills, drawn anew on a clock."""
+
+from __future__ import annotations
+
+import torch
+from torch import Tensor
+
+from camp.envs.config import CommandConfig
+
+
+def uniform(low: float, high: float, shape: tuple[int, ...], generator: torch.Generator) -> Tensor:
+    """Uniform samples in [low, high) on the generator's device."""
+    return low + (high - low) * torch.rand(shape, generator=generator, device=generator.device)
+
+
+def sample_commands(num: int, config: CommandConfig, generator: torch.Generator) -> Tensor:
+    """(num, 3) commands vx, vy in m/s and yaw rate in rad/s, base frame.
+
+    Each component is uniform in its range; a share of the commands has single components, or all of them, at zero,
+    so that straight, sideways, turning and in-place motion all occur.
+    """
+    ranges = (config.vx_m_s, config.vy_m_s, config.yaw_rate_rad_s)
+    command = torch.stack([uniform(low, high, (num,), generator) for low, high in ranges], dim=1)
+    keep = torch.rand(num, 3, generator=generator, device=command.device) >= config.zero_component_share
+    moving = torch.rand(num, 1, generator=generator, device=command.device) >= config.zero_share
+    return command * keep * moving
+
+
+def sample_skills(num: int, num_skills: int, generator: torch.Generator) -> Tensor:
+    """(num,) int64 skill labels, uniform."""
+    return torch.randint(num_skills, (num,), generator=generator, device=generator.device)

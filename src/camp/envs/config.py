@@ -1,0 +1,161 @@
+"""Schema of conf/env: types, units, ranges. Values live in the YAML; ``check`` says which key is wrong and what to do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from omegaconf import MISSING
+
+from camp import checks
+
+
+@dataclass
+class NoiseConfig:
+    """Half-widths of the uniform sensor noise on the policy's observation; the critic's own part has none."""
+
+    enabled: bool = MISSING
+    angular_velocity_rad_s: float = MISSING
+    gravity: float = MISSING  # per component of the unit vector
+    joint_position_rad: float = MISSING
+    joint_velocity_rad_s: float = MISSING
+
+    def check(self) -> None:
+        for name in ("angular_velocity_rad_s", "gravity", "joint_position_rad", "joint_velocity_rad_s"):
+            checks.not_negative(f"env.noise.{name}", getattr(self, name))
+
+
+@dataclass
+class CommandConfig:
+    """Velocity commands and skills."""
+
+    vx_m_s: list[float] = MISSING  # [low, high], forward
+    vy_m_s: list[float] = MISSING  # [low, high], left
+    yaw_rate_rad_s: list[float] = MISSING  # [low, high], counter-clockwise
+    zero_component_share: float = MISSING  # probability that a component is zero
+    zero_share: float = MISSING  # probability that the whole command is zero
+    period_s: float = MISSING  # a new command this often
+    skill_period_s: float = MISSING  # a new skill this often
+
+    def check(self) -> None:
+        for name in ("vx_m_s", "vy_m_s", "yaw_rate_rad_s"):
+            checks.interval(f"env.command.{name}", getattr(self, name))
+        checks.share("env.command.zero_component_share", self.zero_component_share)
+        checks.share("env.command.zero_share", self.zero_share)
+        checks.positive("env.command.period_s", self.period_s)
+        checks.positive("env.command.skill_period_s", self.skill_period_s)
+
+
+@dataclass
+class RewardConfig:
+    """Task rewards (paper, Table II)."""
+
+    linear_velocity_weight: float = MISSING
+    linear_velocity_width: float = MISSING  # m/s
+    angular_velocity_weight: float = MISSING
+    angular_velocity_width: float = MISSING  # rad/s
+
+    def check(self) -> None:
+        checks.finite("env.reward.linear_velocity_weight", self.linear_velocity_weight)
+        checks.finite("env.reward.angular_velocity_weight", self.angular_velocity_weight)
+        checks.positive("env.reward.linear_velocity_width", self.linear_velocity_width)
+        checks.positive("env.reward.angular_velocity_width", self.angular_velocity_width)
+
+
+@dataclass
+class TerminationConfig:
+    """When an episode has failed."""
+
+    body_contact_force_n: float = MISSING  # ground reaction on base or thigh
+    tilt_rad: float = MISSING  # angle between the trunk's and the world's vertical
+
+    def check(self) -> None:
+        checks.positive("env.termination.body_contact_force_n", self.body_contact_force_n)
+        checks.positive("env.termination.tilt_rad", self.tilt_rad)
+
+
+@dataclass
+class RandomizationConfig:
+    """Domain randomization (paper, Table I), drawn anew at every reset."""
+
+    enabled: bool = MISSING  # false: the nominal robot
+    nominal_friction: float = MISSING  # coefficient where it is disabled
+    link_mass_scale: list[float] = MISSING  # times nominal, each link
+    payload_mass_kg: list[float] = MISSING
+    payload_position_m: list[float] = MISSING  # each axis, from the base origin
+    friction: list[float] = MISSING  # foot-ground coefficient
+    motor_strength_scale: list[float] = MISSING  # times the motor torque, each joint
+    kp_scale: list[float] = MISSING  # times nominal, each joint
+    kd_scale: list[float] = MISSING  # times nominal, each joint
+
+    def check(self) -> None:
+        checks.positive("env.randomization.nominal_friction", self.nominal_friction)
+        checks.interval("env.randomization.payload_position_m", self.payload_position_m)
+        for name in (
+            "link_mass_scale",
+            "payload_mass_kg",
+            "friction",
+            "motor_strength_scale",
+            "kp_scale",
+            "kd_scale",
+        ):
+            checks.positive_interval(f"env.randomization.{name}", getattr(self, name))
+
+
+@dataclass
+class PushConfig:
+    """Sudden changes of the base's horizontal velocity."""
+
+    enabled: bool = MISSING
+    period_s: float = MISSING
+    max_velocity_m_s: float = MISSING  # each horizontal axis, either way
+
+    def check(self) -> None:
+        checks.positive("env.push.period_s", self.period_s)
+        checks.not_negative("env.push.max_velocity_m_s", self.max_velocity_m_s)
+
+
+@dataclass
+class InitializationConfig:
+    """Where episodes start."""
+
+    reference_share: float = MISSING  # of the resets, in a random frame of an expert clip of the commanded skill
+    joint_position_scale: list[float] = MISSING  # the rest: standing, joints at default times this (Table I)
+
+    def check(self) -> None:
+        checks.share("env.initialization.reference_share", self.reference_share)
+        checks.positive_interval("env.initialization.joint_position_scale", self.joint_position_scale)
+
+
+@dataclass
+class EnvConfig:
+    """The whole group conf/env."""
+
+    episode_s: float = MISSING
+    control_period_s: float = MISSING
+    observe_skill: bool = MISSING  # false: the skill's entries of the observation are zero (ablation)
+    noise: NoiseConfig = field(default_factory=NoiseConfig)
+    command: CommandConfig = field(default_factory=CommandConfig)
+    reward: RewardConfig = field(default_factory=RewardConfig)
+    termination: TerminationConfig = field(default_factory=TerminationConfig)
+    randomization: RandomizationConfig = field(default_factory=RandomizationConfig)
+    push: PushConfig = field(default_factory=PushConfig)
+    initialization: InitializationConfig = field(default_factory=InitializationConfig)
+
+    def check(self) -> None:
+        checks.positive("env.control_period_s", self.control_period_s)
+        checks.require(
+            self.episode_s >= self.control_period_s,
+            "env.episode_s",
+            self.episode_s,
+            f"choose at least one control period ({self.control_period_s} s)",
+        )
+        for part in (
+            self.noise,
+            self.command,
+            self.reward,
+            self.termination,
+            self.randomization,
+            self.push,
+            self.initialization,
+        ):
+            part.check()

@@ -1,0 +1,60 @@
+"""Where an episode starts: in a frame of an expert clip, or standing."""
+
+from __future__ import annotations
+
+import torch
+from torch import Tensor
+
+from camp.envs.config import InitializationConfig
+from camp.envs.commands import uniform
+from camp.envs.measurement import rotate
+from camp.motion.sampler import ReferenceState
+from camp.robots import go2
+from camp.robots.kinematics import foot_position
+from camp.sim.base import InitialState
+
+
+def from_reference(reference: ReferenceState) -> InitialState:
+    """Reference-state initialization: the exact state of a clip's frame, above the world's origin."""
+    position = torch.zeros_like(reference.base_linear_velocity)
+    position[:, 2] = reference.base_height
+    return InitialState(
+        base_position=position,
+        base_quaternion=reference.base_quaternion,
+        base_linear_velocity=rotate(reference.base_quaternion, reference.base_linear_velocity),
+        base_angular_velocity=reference.base_angular_velocity,
+        joint_position=reference.joint_position,
+        joint_velocity=reference.joint_velocity,
+    )
+
+
+def standing(num: int, config: InitializationConfig, generator: torch.Generator) -> InitialState:
+    """At rest, joints at the default pose times a random factor (Table I, "Initial Joint Positions").
+
+    The base is raised or lowered so that the lowest foot just touches the ground.
+    """
+    device = generator.device
+    default = torch.tensor(go2.DEFAULT_JOINT_POSITION, device=device)
+    joints = default * uniform(*config.joint_position_scale, (num, go2.NUM_JOINTS), generator)
+    joints = joints.clamp(torch.tensor(go2.JOINT_LOWER, device=device), torch.tensor(go2.JOINT_UPPER, device=device))
+    position = torch.zeros(num, 3, device=device)
+    position[:, 2] = go2.FOOT_RADIUS - foot_position(joints)[..., 2].amin(dim=1)
+    quaternion = torch.zeros(num, 4, device=device)
+    quaternion[:, 0] = 1.0
+    return InitialState(
+        base_position=position,
+        base_quaternion=quaternion,
+        base_linear_velocity=torch.zeros(num, 3, device=device),
+        base_angular_velocity=torch.zeros(num, 3, device=device),
+        joint_position=joints,
+        joint_velocity=torch.zeros(num, go2.NUM_JOINTS, device=device),
+    )
+
+
+def merge(choose_first: Tensor, first: InitialState, second: InitialState) -> InitialState:
+    """Row by row ``first`` where ``choose_first`` (n,) bool, else ``second``."""
+    mixed = {
+        name: torch.where(choose_first[:, None], getattr(first, name), getattr(second, name))
+        for name in InitialState.__dataclass_fields__
+    }
+    return InitialState(**mixed)

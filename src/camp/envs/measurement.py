@@ -1,0 +1,71 @@
+"""What is derived from the robots' state once per step and read by observations, rewards and terminations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from camp.robots.kinematics import foot_position
+from camp.sim.base import RobotState
+
+AMP_STATE_SIZE = 43
+CONTACT_FORCE = 1.0  # N, least ground reaction that counts as contact
+
+
+def rotate(quaternion: Tensor, vector: Tensor) -> Tensor:
+    """Rotate vectors (..., 3) by unit quaternions (..., 4), w first: base frame to world frame."""
+    w, axis = quaternion[..., :1], quaternion[..., 1:]
+    twice = 2.0 * torch.linalg.cross(axis, vector)
+    return vector + w * twice + torch.linalg.cross(axis, twice)
+
+
+def rotate_inverse(quaternion: Tensor, vector: Tensor) -> Tensor:
+    """Rotate vectors (..., 3) by the inverse of unit quaternions (..., 4): world frame to base frame."""
+    return rotate(quaternion * quaternion.new_tensor([1.0, -1.0, -1.0, -1.0]), vector)
+
+
+@dataclass
+class Measurement:
+    """N robots at one moment, SI units; "base frame" moves with the trunk."""
+
+    base_position: Tensor  # (N, 3) m, world frame
+    linear_velocity: Tensor  # (N, 3) m/s, base frame
+    angular_velocity: Tensor  # (N, 3) rad/s, base frame
+    gravity: Tensor  # (N, 3) unit vector of gravity, base frame
+    joint_position: Tensor  # (N, 12) rad
+    joint_velocity: Tensor  # (N, 12) rad/s
+    foot_position: Tensor  # (N, 4, 3) m, base frame
+    foot_contact: Tensor  # (N, 4) bool
+    body_force: Tensor  # (N, 5) N, magnitude on base and thighs
+
+    def amp_state(self) -> Tensor:
+        """s_t of the discriminators, (N, 43): joint positions and velocities, base linear and angular velocity,
+        base height, foot positions (paper, Sec. III-C, in that order)."""
+        parts = (
+            self.joint_position,
+            self.joint_velocity,
+            self.linear_velocity,
+            self.angular_velocity,
+            self.base_position[:, 2:],
+            self.foot_position.flatten(1),
+        )
+        return torch.cat(parts, dim=1)
+
+
+def measure(state: RobotState) -> Measurement:
+    """Derive a ``Measurement`` from the simulator's state."""
+    down = torch.zeros_like(state.base_position)
+    down[:, 2] = -1.0
+    return Measurement(
+        base_position=state.base_position,
+        linear_velocity=rotate_inverse(state.base_quaternion, state.base_linear_velocity),
+        angular_velocity=state.base_angular_velocity,
+        gravity=rotate_inverse(state.base_quaternion, down),
+        joint_position=state.joint_position,
+        joint_velocity=state.joint_velocity,
+        foot_position=foot_position(state.joint_position),
+        foot_contact=state.foot_force.norm(dim=-1) > CONTACT_FORCE,
+        body_force=state.body_force.norm(dim=-1),
+    )

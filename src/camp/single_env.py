@@ -1,0 +1,77 @@
+"""One robot behind Gymnasium's plain interface: ``gymnasium.make("camp/Go2-v0")``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+import torch
+from hydra import compose, initialize_config_dir
+
+from camp.build import build_env, motion_folder
+from camp.config import Config, resolve
+from camp.motion.clips import load_clips
+from camp.paths import config_root
+from camp.rendering import RobotRenderer
+from camp.robots.go2 import load_model
+
+
+class Go2Env(gym.Env):
+    """The batched environment with N = 1, in numpy; an ended episode waits for ``reset``.
+
+    The reward is the weighted task reward of Table II; ``info`` holds the critic's ``privileged`` observation, the
+    ``skill`` label, the ``command`` and the AMP ``transition`` (2, 43) of the step.
+
+    Args:
+        render_mode: None or "rgb_array".
+        overrides: of conf/train.yaml, such as ``["env.episode_s=5", "motion.skills=[trot]"]``.
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 50}
+
+    def __init__(self, render_mode: str | None = None, overrides: tuple[str, ...] | list[str] = ()):
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise ValueError(f"render_mode {render_mode!r}: choose None or 'rgb_array'")
+        self.render_mode = render_mode
+        config = compose_config(["sim.threads=1", *overrides])
+        clips = load_clips(motion_folder(config), config.motion.skills)
+        self.batched = build_env(config, clips, num_envs=1)
+        self.observation_space = self.batched.single_observation_space
+        self.action_space = self.batched.single_action_space
+        self._renderer: RobotRenderer | None = None
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict]:
+        super().reset(seed=seed)
+        observation, info = self.batched.reset(seed=seed, options={"stagger": False})
+        return observation[0].numpy(force=True), {"privileged": info["privileged"][0].numpy(force=True)}
+
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        result = self.batched.advance(torch.as_tensor(action, dtype=torch.float32)[None])
+        info = {
+            "privileged": result.final_privileged[0].numpy(force=True),
+            "transition": result.transition[0].numpy(force=True),
+            "command": result.command[0].numpy(force=True),
+            "skill": int(result.skill[0]),
+        }
+        observation = result.final_observation[0].numpy(force=True)
+        return observation, float(result.task_reward[0]), bool(result.terminated[0]), bool(result.truncated[0]), info
+
+    def render(self) -> np.ndarray | None:
+        if self.render_mode is None:
+            return None
+        if self._renderer is None:
+            self._renderer = RobotRenderer(load_model())
+        return self._renderer.frame(self.batched.sim.state.qpos()[0].numpy(force=True))
+
+    def close(self) -> None:
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+        self.batched.close()
+
+
+def compose_config(overrides: list[str]) -> Config:
+    """conf/train.yaml with ``overrides``, typed and checked, outside of a Hydra command line."""
+    with initialize_config_dir(str(config_root()), version_base="1.3"):
+        return resolve(compose("train", overrides=overrides))
