@@ -7,12 +7,10 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 import torch
-from hydra import compose, initialize_config_dir
 
 from camp.build import build_env, motion_folder
-from camp.config import Config, resolve
+from camp.compose import compose_config
 from camp.motion.clips import load_clips
-from camp.paths import config_root
 from camp.rendering import RobotRenderer
 from camp.robots.go2 import load_model
 
@@ -69,9 +67,3 @@ class Go2Env(gym.Env):
             self._renderer.close()
             self._renderer = None
         self.batched.close()
-
-
-def compose_config(overrides: list[str]) -> Config:
-    """conf/train.yaml with ``overrides``, typed and checked, outside of a Hydra command line."""
-    with initialize_config_dir(str(config_root()), version_base="1.3"):
-        return resolve(compose("train", overrides=overrides))

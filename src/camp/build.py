@@ -1,0 +1,151 @@
+"""From configuration to objects: the only place where a config value decides what is built."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import torch
+
+from camp.algo.models import Critic, GaussianActor, SkillEmbedding
+from camp.algo.ppo import PPO
+from camp.algo.prior import Prior
+from camp.algo.skill import SkillPrior
+from camp.algo.style import StylePrior
+from camp.checkpoint import load_checkpoint
+from camp.config import Config, SimConfig, learner_device, load_run_config
+from camp.envs.measurement import AMP_STATE_SIZE
+from camp.envs.observations import actor_entries, privileged_entries, size
+from camp.envs.quadruped import QuadrupedEnv
+from camp.errors import CheckpointError
+from camp.motion.clips import Clip, load_clips
+from camp.motion.sampler import Demonstrations, ReferenceStates
+from camp.paths import assets_root
+from camp.robots import go2
+from camp.seeding import generator
+from camp.sim.base import Simulator
+from camp.sim.cpu import CpuSimulator
+
+
+@dataclass
+class Training:
+    """All that the training loop works on."""
+
+    env: QuadrupedEnv
+    ppo: PPO
+    priors: list[Prior]
+    demonstrations: Demonstrations
+    clips: list[Clip]
+    generators: dict[str, torch.Generator]  # on the learner's device, by stream
+    device: torch.device  # of the learner
+
+
+@dataclass
+class Run:
+    """What a run folder holds for evaluation and analysis, on the CPU."""
+
+    config: Config
+    iteration: int
+    actor: GaussianActor
+    skills: tuple[str, ...]
+    skill_prior: SkillPrior | None  # None where an ablation trained without
+    clips: list[Clip]
+
+
+def motion_folder(config: Config) -> Path:
+    """Where the expert clips lie: the configured folder, or the shipped one."""
+    return Path(config.motion.folder) if config.motion.folder else assets_root() / "motions" / "go2"
+
+
+def build_simulator(config: Config, num_envs: int | None = None) -> Simulator:
+    """The simulator of conf/sim, with ``num_envs`` robots instead of the configured number where given."""
+    sim: SimConfig = config.sim
+    gains = (tuple(config.robot.kp) * go2.NUM_LEGS, tuple(config.robot.kd) * go2.NUM_LEGS)
+    return CpuSimulator(
+        sim.num_envs if num_envs is None else num_envs,
+        control_period=config.env.control_period_s,
+        physics_timestep=sim.physics_timestep_s,
+        threads=sim.threads,
+        gains=gains,
+    )
+
+
+def build_env(config: Config, clips: list[Clip], num_envs: int | None = None) -> QuadrupedEnv:
+    """The batched environment with its simulator and reference states."""
+    sim = build_simulator(config, num_envs)
+    return QuadrupedEnv(
+        sim,
+        config.env,
+        config.robot.action_scale,
+        ReferenceStates(clips, config.motion.skills, sim.device),
+        generator(config.seed, "environment", sim.device),
+    )
+
+
+def build_training(config: Config) -> Training:
+    """Everything that trains. Raises CampError where clips or devices are missing."""
+    device = learner_device(config.device)
+    clips = load_clips(motion_folder(config), config.motion.skills)
+    weights = generator(config.seed, "weights")
+    embedding = SkillEmbedding(len(config.motion.skills), config.algo.embedding_size, weights).to(device)
+    return Training(
+        env=build_env(config, clips),
+        ppo=PPO(build_actor(config, weights).to(device), _build_critic(config, weights).to(device), config.algo.ppo),
+        priors=_build_priors(config, embedding, weights),
+        demonstrations=Demonstrations(
+            clips,
+            config.motion.skills,
+            config.motion.num_preloaded,
+            generator(config.seed, "preloading"),
+            device,
+        ),
+        clips=clips,
+        generators={name: generator(config.seed, name, device) for name in ("policy", "minibatches", "priors")},
+        device=device,
+    )
+
+
+def build_actor(config: Config, weights: torch.Generator) -> GaussianActor:
+    """The policy network, on the CPU."""
+    observation = size(actor_entries(len(config.motion.skills)))
+    return GaussianActor(observation, go2.NUM_JOINTS, config.algo.actor, weights)
+
+
+def load_run(folder: Path) -> Run:
+    """The latest checkpoint of a run folder, as networks. Raises CampError where it is missing or damaged."""
+    config = load_run_config(folder)
+    state = load_checkpoint(folder)
+    skills = tuple(config.motion.skills)
+    weights = generator(config.seed, "weights")
+    actor = build_actor(config, weights)
+    skill_prior = None
+    try:
+        actor.load_state_dict(state["ppo"]["actor"])
+        if "skill" in state["priors"]:
+            embedding = SkillEmbedding(len(skills), config.algo.embedding_size, weights)
+            skill_prior = SkillPrior(config.algo.skill, embedding, skills, AMP_STATE_SIZE, weights)
+            if "style" in state["priors"]:
+                embedding.load_state_dict(state["priors"]["style"]["embedding"])
+            skill_prior.load_state_dict(state["priors"]["skill"])
+    except (KeyError, RuntimeError) as error:
+        reason = str(error).strip().splitlines()[0]
+        raise CheckpointError(
+            f"run folder {folder}: its checkpoint does not fit its config.yaml ({reason}); restore the original file"
+        ) from error
+    clips = load_clips(motion_folder(config), config.motion.skills)
+    return Run(config, int(state["iteration"]), actor, skills, skill_prior, clips)
+
+
+def _build_critic(config: Config, weights: torch.Generator) -> Critic:
+    inputs = size(actor_entries(len(config.motion.skills))) + size(privileged_entries())
+    return Critic(inputs, config.algo.critic, weights)
+
+
+def _build_priors(config: Config, embedding: SkillEmbedding, weights: torch.Generator) -> list[Prior]:
+    algo, skills = config.algo, tuple(config.motion.skills)
+    priors: list[Prior] = []
+    if algo.style.enabled:
+        priors.append(StylePrior(algo.style, embedding, skills, AMP_STATE_SIZE, weights))
+    if algo.skill.enabled:
+        priors.append(SkillPrior(algo.skill, embedding, skills, AMP_STATE_SIZE, weights))
+    return priors

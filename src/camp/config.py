@@ -1,0 +1,180 @@
+"""The typed configuration of training: one dataclass per group of conf/, checked before anything is built.
+
+Values live in YAML (conf/); here are the types, the units and the ranges.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import cast
+
+import torch
+from omegaconf import MISSING, DictConfig, OmegaConf
+
+from camp import checks
+from camp.algo.config import AlgoConfig
+from camp.envs.config import EnvConfig
+from camp.errors import ConfigError
+from camp.logger import LoggerConfig
+from camp.motion.gaits import GAIT_PHASES
+
+
+@dataclass
+class SimConfig:
+    """conf/sim: the simulator."""
+
+    backend: str = MISSING  # cpu
+    num_envs: int = MISSING
+    threads: int = MISSING  # of the simulation and of torch; 0 = one per processor
+    physics_timestep_s: float = MISSING
+
+    def check(self) -> None:
+        backends = ("cpu",)
+        checks.require(self.backend in backends, "sim.backend", self.backend, f"choose one of {', '.join(backends)}")
+        checks.count("sim.num_envs", self.num_envs)
+        checks.not_negative("sim.threads", self.threads)
+        checks.positive("sim.physics_timestep_s", self.physics_timestep_s)
+
+
+@dataclass
+class RobotConfig:
+    """conf/robot: the PD law and the action's scale."""
+
+    kp: list[float] = MISSING  # N m/rad: hip, thigh, calf
+    kd: list[float] = MISSING  # N m s/rad: hip, thigh, calf
+    action_scale: float = MISSING  # rad per unit of the network's output
+
+    def check(self) -> None:
+        for name in ("kp", "kd"):
+            gains = list(getattr(self, name))
+            holds = len(gains) == 3 and all(gain > 0 for gain in gains)
+            checks.require(holds, f"robot.{name}", gains, "give three positive gains: hip, thigh, calf")
+        checks.positive("robot.action_scale", self.action_scale)
+
+
+@dataclass
+class MotionConfig:
+    """conf/motion: the expert clips and the skills they teach."""
+
+    folder: str | None = MISSING  # None: the clips shipped with the package
+    skills: list[str] = MISSING  # gaits; a skill's label is its place in this list
+    num_preloaded: int = MISSING  # transitions
+    perturbed_folder: str | None = MISSING  # None: <output_dir>/motions/perturbed
+    perturbed_clips: int = MISSING  # for the warm start by imitation
+
+    def check(self) -> None:
+        skills = list(self.skills)
+        unknown = [skill for skill in skills if skill not in GAIT_PHASES]
+        remedy = f"choose from {', '.join(GAIT_PHASES)}"
+        checks.require(len(skills) > 0, "motion.skills", skills, remedy)
+        checks.require(not unknown, "motion.skills", skills, f"unknown gait {', '.join(unknown)}; {remedy}")
+        checks.require(len(set(skills)) == len(skills), "motion.skills", skills, "name each gait once")
+        checks.count("motion.num_preloaded", self.num_preloaded)
+        checks.count("motion.perturbed_clips", self.perturbed_clips)
+
+
+@dataclass
+class RunConfig:
+    """conf/run: how long and how often."""
+
+    iterations: int = MISSING  # of collecting and updating
+    rollout_steps: int = MISSING  # control steps per iteration and environment
+    critic_warmup: int = MISSING  # first iterations that train the critic and the priors alone (after imitation)
+    checkpoint_every: int = MISSING  # iterations
+    checkpoints_kept: int = MISSING
+    gait_window_s: float = MISSING  # of foot contacts that a live gait reading looks at
+    gait_every: int = MISSING  # iterations between live gait readings
+
+    def check(self) -> None:
+        for name in ("iterations", "rollout_steps", "checkpoint_every", "checkpoints_kept", "gait_every"):
+            checks.count(f"run.{name}", getattr(self, name))
+        checks.not_negative("run.critic_warmup", self.critic_warmup)
+        checks.require(
+            self.gait_window_s >= 1.0, "run.gait_window_s", self.gait_window_s, "choose 1 s or more: two slow strides"
+        )
+
+
+@dataclass
+class Config:
+    """All of conf/train.yaml."""
+
+    seed: int = MISSING
+    variant: str = MISSING  # names and groups the run
+    device: str = MISSING  # of the learner: auto, cpu, cuda, cuda:1
+    output_dir: str = MISSING
+    resume: str | None = MISSING  # a run folder to continue
+    env: EnvConfig = field(default_factory=EnvConfig)
+    sim: SimConfig = field(default_factory=SimConfig)
+    robot: RobotConfig = field(default_factory=RobotConfig)
+    motion: MotionConfig = field(default_factory=MotionConfig)
+    algo: AlgoConfig = field(default_factory=AlgoConfig)
+    run: RunConfig = field(default_factory=RunConfig)
+    logger: LoggerConfig = field(default_factory=LoggerConfig)
+
+    def check(self) -> None:
+        """Raise ConfigError for the first value that cannot work, alone or beside another."""
+        checks.not_negative("seed", self.seed)
+        allowed = "letters, digits, '.', '_' and '-'"
+        clean = bool(self.variant) and all(c.isalnum() or c in "._-" for c in self.variant)
+        checks.require(clean, "variant", self.variant, f"name it with {allowed}")
+        for part in (self.env, self.sim, self.robot, self.motion, self.algo, self.run, self.logger):
+            part.check()
+        substeps = self.env.control_period_s / self.sim.physics_timestep_s
+        checks.require(
+            abs(substeps - round(substeps)) < 1e-6 and round(substeps) >= 1,
+            "env.control_period_s",
+            self.env.control_period_s,
+            f"choose a multiple of sim.physics_timestep_s ({self.sim.physics_timestep_s} s)",
+        )
+        samples = self.run.rollout_steps * self.sim.num_envs
+        checks.require(
+            samples >= self.algo.ppo.minibatches,
+            "algo.ppo.minibatches",
+            self.algo.ppo.minibatches,
+            f"choose at most run.rollout_steps x sim.num_envs ({samples})",
+        )
+
+
+def resolve(config: DictConfig) -> Config:
+    """The typed and checked configuration behind a composed one.
+
+    Raises an OmegaConf error for an unknown key or a wrong type, ConfigError for a value out of range; the command
+    line prints either as one line.
+    """
+    typed = cast(Config, OmegaConf.to_object(OmegaConf.merge(OmegaConf.structured(Config), _without_hydra(config))))
+    typed.check()
+    return typed
+
+
+def as_yaml(config: Config) -> DictConfig:
+    """The typed configuration as OmegaConf, for the run folder."""
+    return OmegaConf.structured(config)
+
+
+def load_run_config(run: Path) -> Config:
+    """The configuration a run folder was trained with. Raises ConfigError where there is none."""
+    path = run / "config.yaml"
+    if not path.is_file():
+        raise ConfigError(f"run folder {run}: holds no config.yaml; name one of the folders that camp.train wrote")
+    loaded = OmegaConf.load(path)
+    if not isinstance(loaded, DictConfig):
+        raise ConfigError(f"file {path}: not a configuration; restore it from the run")
+    return resolve(loaded)
+
+
+def learner_device(name: str) -> torch.device:
+    """The torch device behind ``device``; auto takes a CUDA GPU where there is one. Raises ConfigError."""
+    if name == "auto":
+        return torch.device("cuda" if torch.cuda.is_available() else "cpu")
+    try:
+        device = torch.device(name)
+    except RuntimeError as error:
+        raise ConfigError(f"device = {name!r}: choose auto, cpu, cuda or cuda:<number>") from error
+    if device.type == "cuda" and not torch.cuda.is_available():
+        raise ConfigError(f"device = {name!r}: torch finds no CUDA GPU here; choose cpu or auto")
+    return device
+
+
+def _without_hydra(config: DictConfig) -> DictConfig:
+    return OmegaConf.create({key: config._get_node(key) for key in config if key != "hydra"})

@@ -1,0 +1,138 @@
+"""The training loop: collect, score, update, log, save."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from torch import Tensor
+
+from camp.algo.losses import gae, mix_rewards
+from camp.build import Training
+from camp.checkpoint import save_run_checkpoint
+from camp.collector import Collector
+from camp.config import Config
+from camp.data import Rollout
+from camp.gait_monitor import GaitMonitor
+from camp.logger import RunLogger
+from camp.progress import Progress
+from camp.seeding import generator_state, global_state, restore_generator, restore_global_state
+
+
+class Runner:
+    """CAMP: PPO on task, style and skill rewards, while the priors that judge style and skill learn beside it."""
+
+    def __init__(self, training: Training, config: Config, folder: Path):
+        self.training, self.config, self.folder = training, config, folder
+        env = training.env
+        self.monitor = GaitMonitor(
+            config.motion.skills, env.num_envs, config.run.gait_window_s, env.sim.control_period, env.sim.device
+        )
+        self.collector = Collector(env, training.ppo, self.monitor, training.device)
+        self.iteration = 0  # completed ones
+
+    def start(self) -> None:
+        """Begin the first episodes."""
+        self.training.env.reset()
+
+    def train(self, logger: RunLogger, progress: Progress, stopping: Callable[[], bool] = lambda: False) -> None:
+        """Iterate to the end, or until ``stopping`` says so between two iterations; always saves what was reached."""
+        run = self.config.run
+        saved = self.iteration
+        while self.iteration < run.iterations and not stopping():
+            metrics = self.iterate()
+            logger.log(self.iteration, metrics)
+            progress.update(self.iteration, metrics)
+            if self.iteration % run.checkpoint_every == 0:
+                self.save()
+                saved = self.iteration
+        if saved < self.iteration:
+            self.save()
+
+    def iterate(self) -> dict[str, float]:
+        """One iteration of the algorithm; returns its metrics."""
+        training, run = self.training, self.config.run
+        started = time.perf_counter()
+        rollout, metrics = self.collector.collect(run.rollout_steps, training.generators["policy"])
+        collected = time.perf_counter()
+
+        terms = self._score(rollout)
+        weights = {"task": self.config.algo.task_weight} | {prior.name: prior.weight for prior in training.priors}
+        reward = mix_rewards(terms, weights)
+        ppo = self.config.algo.ppo
+        advantage, return_ = gae(
+            reward, rollout.value, rollout.next_value, rollout.terminated, rollout.truncated, ppo.discount, ppo.trace
+        )
+        scored = time.perf_counter()
+
+        minibatches = training.generators["minibatches"]
+        if self.iteration < run.critic_warmup:
+            metrics |= training.ppo.update_critic(rollout, return_, minibatches)
+        else:
+            metrics |= training.ppo.update(rollout, advantage, return_, minibatches)
+        policy_updated = time.perf_counter()
+
+        for prior in training.priors:
+            metrics |= prior.update(rollout.transitions(), training.demonstrations, training.generators["priors"])
+        finished = time.perf_counter()
+
+        self.iteration += 1
+        metrics |= {f"reward/{name}/raw": float(term.mean()) for name, term in terms.items()}
+        metrics |= {f"reward/{name}/weighted": weights[name] * float(term.mean()) for name, term in terms.items()}
+        metrics |= _per_skill(terms, rollout, self.config.motion.skills)
+        if self.iteration % run.gait_every == 0:
+            metrics |= self.monitor.read()
+        metrics["time/collect_s"] = collected - started
+        metrics["time/score_s"] = scored - collected
+        metrics["time/policy_update_s"] = policy_updated - scored
+        metrics["time/prior_update_s"] = finished - policy_updated
+        metrics["time/steps_per_s"] = rollout.skill.numel() / (time.perf_counter() - started)
+        metrics["steps"] = float(self.iteration * rollout.skill.numel())
+        return metrics
+
+    def save(self) -> None:
+        """Write a checkpoint of everything a bit-for-bit continuation needs."""
+        save_run_checkpoint(self.folder, self.iteration, self.state_dict(), self.config.run.checkpoints_kept)
+
+    def state_dict(self) -> dict[str, Any]:
+        training = self.training
+        return {
+            "iteration": self.iteration,
+            "ppo": training.ppo.state_dict(),
+            "priors": {prior.name: prior.state_dict() for prior in training.priors},
+            "env": training.env.state_dict(),
+            "monitor": self.monitor.state_dict(),
+            "generators": {name: generator_state(g) for name, g in training.generators.items()},
+            "global_random_state": global_state(),
+        }
+
+    def load_state_dict(self, state: dict[str, Any]) -> None:
+        training = self.training
+        self.iteration = state["iteration"]
+        training.ppo.load_state_dict(state["ppo"])
+        for prior in training.priors:
+            prior.load_state_dict(state["priors"][prior.name])
+        training.env.load_state_dict(state["env"])
+        self.monitor.load_state_dict(state["monitor"])
+        for name, generator in training.generators.items():
+            restore_generator(generator, state["generators"][name])
+        restore_global_state(state["global_random_state"])
+
+    def _score(self, rollout: Rollout) -> dict[str, Tensor]:
+        """Every reward term of eq. (2), each (T, N), as judged before this iteration's updates."""
+        terms = {"task": rollout.task_reward}
+        for prior in self.training.priors:
+            terms[prior.name] = prior.reward(rollout.transitions()).view_as(rollout.task_reward)
+        return terms
+
+
+def _per_skill(terms: dict[str, Tensor], rollout: Rollout, skills: list[str]) -> dict[str, float]:
+    """Mean raw reward of every term while each skill was commanded."""
+    metrics = {}
+    for label, skill in enumerate(skills):
+        chosen = rollout.skill == label
+        if chosen.any():
+            metrics |= {f"reward/{name}/raw/{skill}": float(term[chosen].mean()) for name, term in terms.items()}
+    return metrics

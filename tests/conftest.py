@@ -1,0 +1,40 @@
+"""Fixtures shared by all tests."""
+
+from __future__ import annotations
+
+import pytest
+import torch
+
+from camp.build import motion_folder
+from camp.config import Config
+from camp.motion.clips import Clip, load_clips
+from camp.compose import compose_config
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _one_thread():
+    """Two busy thread pools on two cores slow each other down."""
+    torch.set_num_threads(1)
+
+
+@pytest.fixture
+def config() -> Config:
+    """conf/train.yaml with few robots and without sensor noise, pushes and randomization."""
+    return compose_config(
+        [
+            "run=smoke",
+            "sim.num_envs=8",
+            "sim.threads=1",
+            "logger.wandb_mode=disabled",
+            "env.noise.enabled=false",
+            "env.push.enabled=false",
+            "env.randomization.enabled=false",
+        ]
+    )
+
+
+@pytest.fixture(scope="session")
+def clips() -> list[Clip]:
+    """The shipped clips."""
+    shipped = compose_config([])
+    return load_clips(motion_folder(shipped), shipped.motion.skills)

@@ -1,0 +1,207 @@
+"""The batched environment: shapes, resets, the moment at which things are taken, clocks and continuation."""
+
+from __future__ import annotations
+
+import copy
+
+import numpy as np
+import pytest
+import torch
+
+from camp.build import build_env
+from camp.config import Config
+from camp.envs.commands import sample_commands
+from camp.envs.quadruped import QuadrupedEnv
+from camp.motion.clips import Clip, amp_state
+from camp.robots import go2
+
+ZERO = torch.zeros(8, 12)
+
+
+def make(config: Config, clips: list[Clip]) -> QuadrupedEnv:
+    env = build_env(config, clips)
+    env.reset(seed=0, options={"stagger": False})
+    return env
+
+
+def test_shapes_and_spaces(config, clips):
+    env = make(config, clips)
+    assert env.observation.shape == env.observation_space.shape == (8, 45 + 4)
+    step = env.advance(ZERO)
+    assert step.transition.shape == (8, 2, 43)
+    assert step.privileged.shape == (8, 62)
+    observation, reward, terminated, truncated, info = env.step(ZERO)
+    assert observation.shape == (8, 49) and reward.shape == terminated.shape == truncated.shape == (8,)
+    assert info["final_obs"].shape == (8, 49)
+
+
+def test_skill_count_sets_the_observation(config, clips):
+    config.motion.skills = ["trot", "bound"]
+    assert make(config, clips).observation.shape == (8, 45 + 2)
+
+
+def test_observation_holds_what_the_table_says(config, clips):
+    env = make(config, clips)
+    action = 0.1 * torch.randn(8, 12, generator=torch.Generator().manual_seed(0))
+    env.advance(action)
+    state, pose = env.sim.state, torch.tensor(go2.DEFAULT_JOINT_POSITION)
+    torch.testing.assert_close(env.observation[:, 0:3], state.base_angular_velocity)
+    torch.testing.assert_close(env.observation[:, 6:9], env.command)
+    torch.testing.assert_close(env.observation[:, 9:21], state.joint_position - pose)
+    torch.testing.assert_close(env.observation[:, 21:33], state.joint_velocity)
+    torch.testing.assert_close(env.observation[:, 33:45], action)
+    assert env.observation[:, 45:].argmax(1).tolist() == env.skill.tolist()
+    assert (env.observation[:, 45:].sum(1) == 1).all()
+
+
+def test_hidden_skill_leaves_zeros(config, clips):
+    config.env.observe_skill = False
+    assert (make(config, clips).observation[:, 45:] == 0).all()
+
+
+def test_reference_state_initialization_starts_in_a_clip(config, clips):
+    config.env.initialization.reference_share = 1.0
+    env = make(config, clips)
+    for robot in range(8):
+        skill = config.motion.skills[int(env.skill[robot])]
+        states = np.concatenate([amp_state(clip) for clip in clips if clip.gait == skill])
+        assert np.abs(states - env.amp_state[robot].numpy()).max(axis=1).min() < 1e-4
+
+
+def test_standing_start_is_at_rest_on_the_ground(config, clips):
+    config.env.initialization.reference_share = 0.0
+    env = make(config, clips)
+    state = env.sim.state
+    assert (state.joint_velocity == 0).all() and (env.last_action == 0).all()
+    ratio = state.joint_position.view(8, 4, 3)[..., 1:] / torch.tensor([0.9, -1.8])
+    assert ratio.min() >= 0.5 and ratio.max() <= 2.7227 / 1.8 + 1e-4
+    env.advance(ZERO)
+    assert env.sim.state.base_position[:, 2].max() < 0.45
+
+
+def test_transitions_and_final_observations_are_taken_before_the_reset(config, clips):
+    config.env.episode_s = 0.1  # 5 steps
+    env = make(config, clips)
+    for _ in range(4):
+        env.advance(ZERO)
+    before = env.amp_state.clone()
+    step = env.advance(ZERO)
+    torch.testing.assert_close(step.transition[:, 0], before)
+    assert step.truncated.all() and not step.terminated.any()
+    # The successor continues the old episode: a control step apart, joints cannot have moved far ...
+    assert (step.transition[:, 1, :12] - step.transition[:, 0, :12]).abs().max() < 0.5
+    # ... while the state after the reset is another one, and is what the next pair begins with.
+    assert not torch.allclose(step.transition[:, 1], env.amp_state)
+    assert not torch.allclose(step.final_observation, step.observation)
+    assert (env.step_count == 0).all()
+    begin = env.amp_state.clone()
+    torch.testing.assert_close(env.advance(ZERO).transition[:, 0], begin)
+
+
+def test_falling_over_terminates_without_truncating(config, clips):
+    env = make(config, clips)
+    ended = torch.zeros(8, dtype=torch.bool)
+    for _ in range(100):
+        step = env.advance(torch.full((8, 12), 6.0))
+        assert not (step.terminated & step.truncated).any()
+        ended |= step.terminated
+    assert ended.any()
+
+
+def test_commands_and_skills_change_on_their_clocks(config, clips):
+    config.env.command.period_s, config.env.command.skill_period_s = 0.2, 0.1  # 10 and 5 steps
+    env = make(config, clips)
+    command, skill = env.command.clone(), env.skill.clone()
+    changed_at: dict[str, set[int]] = {"command": set(), "skill": set()}
+    for step in range(1, 31):
+        env.advance(ZERO)
+        if (env.step_count == 0).any():
+            break
+        if not torch.equal(command, env.command):
+            changed_at["command"].add(step)
+        if not torch.equal(skill, env.skill):
+            changed_at["skill"].add(step)
+        command, skill = env.command.clone(), env.skill.clone()
+    assert changed_at["command"] and all(step % 10 == 0 for step in changed_at["command"])
+    assert changed_at["skill"] and all(step % 5 == 0 for step in changed_at["skill"])
+
+
+def test_commands_stay_in_range_and_some_are_zero(config):
+    command = sample_commands(4000, config.env.command, torch.Generator().manual_seed(0))
+    for i, (low, high) in enumerate([(-0.6, 1.0), (-0.3, 0.3), (-0.8, 0.8)]):
+        assert command[:, i].min() >= low and command[:, i].max() <= high
+        share = (command[:, i] == 0).float().mean()
+        assert share == pytest.approx(1 - (1 - 0.4) * (1 - 0.05), abs=0.03)
+
+
+def test_randomization_covers_table_one(config, clips):
+    config.env.randomization.enabled = True
+    config.sim.num_envs = 64
+    dynamics = build_env(config, clips)
+    dynamics.reset(seed=1)
+    for name, low, high in (
+        ("link_mass_scale", 0.8, 1.2),
+        ("payload_mass", 0.0, 3.0),
+        ("payload_position", -0.1, 0.1),
+        ("friction", 0.05, 1.75),
+        ("motor_strength", 0.8, 1.2),
+        ("kp_scale", 0.8, 1.2),
+        ("kd_scale", 0.8, 1.2),
+    ):
+        values = getattr(dynamics.dynamics, name)
+        assert values.min() >= low and values.max() <= high
+        assert values.max() - values.min() > 0.8 * (high - low), name
+
+
+def test_sensor_noise_is_bounded_and_spares_the_critic(config, clips):
+    config.env.noise.enabled = True
+    noisy = make(config, clips)
+    config.env.noise.enabled = False
+    clean = make(config, clips)
+    difference = (noisy.observation - clean.observation).abs()
+    assert difference[:, 0:3].max() <= 0.2 and difference[:, 21:33].max() <= 1.5
+    assert difference[:, 21:33].max() > 0.5
+    assert (difference[:, 33:] == 0).all() and (difference[:, 6:9] == 0).all()
+    torch.testing.assert_close(noisy.privileged, clean.privileged)
+
+
+def test_pushes_change_the_velocity_on_their_clock(config, clips):
+    config.env.push.enabled, config.env.push.period_s = True, 0.1
+    config.env.push.max_velocity_m_s = 2.0
+    pushed = make(config, clips)
+    calm = copy.deepcopy(config)
+    calm.env.push.max_velocity_m_s = 0.0
+    still = make(calm, clips)
+    for _ in range(4):
+        pushed.advance(ZERO)
+        still.advance(ZERO)
+    torch.testing.assert_close(pushed.sim.state.base_linear_velocity, still.sim.state.base_linear_velocity)
+    pushed.advance(ZERO)
+    still.advance(ZERO)
+    gap = (pushed.sim.state.base_linear_velocity - still.sim.state.base_linear_velocity)[:, :2].norm(dim=1)
+    assert gap.max() > 0.5
+
+
+def test_a_diverged_simulation_ends_its_episode_and_stays_finite(config, clips):
+    env = make(config, clips)
+    env.sim._rows["qvel"][3] = np.nan  # pyright: ignore[reportAttributeAccessIssue]
+    step = env.advance(ZERO)
+    assert step.terminated[3] and env.num_diverged == 1
+    for tensor in (step.observation, step.final_observation, step.privileged, step.transition, step.task_reward):
+        assert torch.isfinite(tensor).all()
+    assert torch.isfinite(env.advance(ZERO).observation).all()
+
+
+def test_same_seed_same_roll_out_and_state_continues_bit_for_bit(config, clips):
+    config.env.noise.enabled = config.env.randomization.enabled = config.env.push.enabled = True
+    config.env.episode_s = 0.3
+    one, other = make(config, clips), make(config, clips)
+    actions = 0.5 * torch.randn(30, 8, 12, generator=torch.Generator().manual_seed(2))
+    for action in actions[:15]:
+        assert torch.equal(one.advance(action).observation, other.advance(action).observation)
+    resumed = build_env(config, clips)
+    resumed.load_state_dict(one.state_dict())
+    for action in actions[15:]:
+        a, b = one.advance(action), resumed.advance(action)
+        for name in ("observation", "privileged", "transition", "task_reward", "terminated", "skill", "foot_contact"):
+            assert torch.equal(getattr(a, name), getattr(b, name)), name

@@ -1,0 +1,129 @@
+"""The training loop: what is collected, and that a resumed run equals an uninterrupted one bit for bit."""
+
+from __future__ import annotations
+
+import io
+import json
+from pathlib import Path
+
+import pytest
+import torch
+
+from camp.build import build_training, load_run
+from camp.checkpoint import load_checkpoint
+from camp.collector import Collector
+from camp.config import Config, as_yaml
+from camp.gait_monitor import GaitMonitor
+from camp.logger import RunIdentity, RunLogger
+from camp.progress import Progress
+from camp.runner import Runner
+
+
+def run_for(config: Config, folder: Path, checkpoint: dict | None = None, stop_after: int | None = None) -> Runner:
+    training = build_training(config)
+    runner = Runner(training, config, folder)
+    if checkpoint is None:
+        runner.start()
+    else:
+        runner.load_state_dict(checkpoint)
+    resume_from = None if checkpoint is None else runner.iteration
+    with RunLogger(RunIdentity(folder, "test"), config.logger, as_yaml(config), resume_from) as logger:
+        with Progress(config.run.iterations, 1, stream=io.StringIO()) as progress:
+            runner.train(logger, progress, lambda: stop_after is not None and runner.iteration >= stop_after)
+    training.env.close()
+    return runner
+
+
+def metrics_of(folder: Path) -> list[dict]:
+    rows = [json.loads(line) for line in (folder / "metrics.jsonl").read_text().splitlines()]
+    return [{key: value for key, value in row.items() if not key.startswith("time/")} for row in rows]
+
+
+@pytest.fixture
+def busy(config: Config) -> Config:
+    """Every source of randomness at work, replay included, and episodes that end."""
+    config.env.noise.enabled = config.env.randomization.enabled = config.env.push.enabled = True
+    config.env.episode_s = 0.4
+    config.env.command.skill_period_s = 0.2
+    config.algo.style.replay_size = 500
+    config.run.iterations, config.run.checkpoint_every = 6, 3
+    return config
+
+
+def test_resumed_run_equals_an_uninterrupted_one(busy, tmp_path):
+    straight, broken = tmp_path / "straight", tmp_path / "broken"
+    for folder in (straight, broken):
+        folder.mkdir()
+    run_for(busy, straight)
+    run_for(busy, broken, stop_after=3)
+    run_for(busy, broken, load_checkpoint(broken))
+    assert metrics_of(straight) == metrics_of(broken)
+    one, other = load_checkpoint(straight), load_checkpoint(broken)
+    assert one["iteration"] == other["iteration"] == 6
+    for name, weights in one["ppo"]["actor"].items():
+        assert torch.equal(weights, other["ppo"]["actor"][name]), name
+
+
+def test_other_seeds_give_other_runs(busy, tmp_path):
+    folders = [tmp_path / "a", tmp_path / "b"]
+    for seed, folder in enumerate(folders):
+        folder.mkdir()
+        busy.seed, busy.run.iterations = seed, 2
+        run_for(busy, folder)
+    assert metrics_of(folders[0]) != metrics_of(folders[1])
+
+
+def test_a_trained_run_loads_with_its_networks(config, tmp_path):
+    config.run.iterations = 2
+    runner = run_for(config, tmp_path)
+    run = load_run(tmp_path)
+    assert run.iteration == 2 and run.skills == ("trot", "pace", "bound", "pronk")
+    observation = torch.randn(5, 49)
+    torch.testing.assert_close(run.actor(observation), runner.training.ppo.actor(observation))
+    state = runner.training.demonstrations.transition.take(slice(0, 7))
+    prior = next(prior for prior in runner.training.priors if prior.name == "skill")
+    torch.testing.assert_close(run.skill_prior.predict(state), prior.predict(state))
+
+
+def test_ablations_build_only_what_they_keep(config):
+    config.algo.skill.enabled = False
+    assert [prior.name for prior in build_training(config).priors] == ["style"]
+    config.algo.style.enabled = False
+    assert build_training(config).priors == []
+
+
+def test_time_outs_are_bootstrapped_with_the_final_observation(config):
+    config.env.episode_s = 0.06  # every third step ends all episodes
+    training = build_training(config)
+    training.env.reset(seed=0, options={"stagger": False})
+    monitor = GaitMonitor(config.motion.skills, 8, 1.0, 0.02, training.device)
+    finals = []
+    advance = training.env.advance
+
+    def spy(action):
+        step = advance(action)
+        finals.append((step.final_observation.clone(), step.final_privileged.clone()))
+        return step
+
+    training.env.advance = spy
+    collector = Collector(training.env, training.ppo, monitor, training.device)
+    rollout, _ = collector.collect(6, torch.Generator().manual_seed(0))
+    assert rollout.truncated[2].any() and not rollout.truncated[1].any()
+    for t in range(6):
+        ended = rollout.truncated[t]
+        expected = training.ppo.value(*finals[t])
+        torch.testing.assert_close(rollout.next_value[t][ended], expected[ended])
+    torch.testing.assert_close(rollout.next_value[0], rollout.value[1])
+
+
+def test_rollout_shapes(config):
+    training = build_training(config)
+    training.env.reset()
+    monitor = GaitMonitor(config.motion.skills, 8, 1.0, 0.02, training.device)
+    rollout, metrics = Collector(training.env, training.ppo, monitor, training.device).collect(
+        4, torch.Generator().manual_seed(0)
+    )
+    shapes = {name: tuple(value.shape) for name, value in vars(rollout).items()}
+    assert shapes["observation"] == (4, 8, 49) and shapes["transition"] == (4, 8, 2, 43)
+    assert shapes["value"] == shapes["next_value"] == shapes["skill"] == (4, 8)
+    assert metrics["reward/linear_velocity/raw"] <= 1.0
