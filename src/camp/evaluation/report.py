@@ -1,0 +1,140 @@
+"""From a recording to numbers: gait accuracy, velocity errors, joint tracking, falls."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from camp.evaluation.rollout import Recording
+from camp.metrics.gait import label_over_time, measure_gait, switch_time
+from camp.metrics.tracking import by_joint_kind, joint_tracking_accuracy, mean_velocity, velocity_error
+
+FAST_COMMAND_M_S = 0.4  # commands from here on cannot be met by standing
+
+
+def summarize(recording: Recording, skills: tuple[str, ...], discard_s: float) -> dict[str, Any]:
+    """Numbers of one policy over the grid, per skill and over all; plain values, ready for JSON.
+
+    Velocity errors compare the mean velocity after ``discard_s`` with the command, in m/s and rad/s; a robot that
+    fell counts with its error but as no gait.
+    """
+    first = round(discard_s / recording.period_s)
+    grid = slice(0, -1)
+    contact, velocity = recording.contact[grid, first:], recording.velocity[grid, first:]
+    skill, command = recording.skill[grid, 0], recording.command[grid, 0]
+    fallen = recording.fallen[grid]
+    gait = measure_gait(contact, recording.period_s)
+    label = np.where(fallen, "fell", gait.label)
+    error = velocity_error(command, mean_velocity(velocity, recording.period_s))
+    accuracy = joint_tracking_accuracy(recording.joint_target[grid, first:], recording.joint_position[grid, first:])
+    fast = np.hypot(command[:, 0], command[:, 1]) >= FAST_COMMAND_M_S
+
+    def part(chosen: np.ndarray, name: str | None) -> dict[str, Any]:
+        """Numbers of the roll-outs ``chosen``, which were all to show ``name``."""
+        upright = chosen & ~fallen
+        wanted = np.array([skills[k] for k in skill]) if name is None else name
+        kinds = by_joint_kind(accuracy[upright].mean(axis=0)) if upright.any() else {}
+        return {
+            "rollouts": int(chosen.sum()),
+            "falls": int(fallen[chosen].sum()),
+            "gait_accuracy": float((label == wanted)[chosen].mean()),
+            "stepping": float((gait.stepping.all(axis=1) & ~fallen)[chosen].mean()),
+            "frequency_hz": _mean(gait.frequency_hz[upright]),
+            "duty": _mean(gait.duty[upright]),
+            "flight_fraction": _mean(gait.flight_fraction[upright]),
+            "linear_error_m_s": float(error.linear[chosen].mean()),
+            "linear_error_fast_m_s": _mean(error.linear[chosen & fast]),
+            "yaw_rate_error_rad_s": float(error.angular[chosen].mean()),
+            "joint_tracking": {kind: float(value) for kind, value in kinds.items()},
+        }
+
+    performed = [*skills, "none", "fell"]
+    return {
+        "all": part(np.ones(len(skill), dtype=bool), None),
+        "skills": {name: part(skill == k, name) for k, name in enumerate(skills)},
+        "confusion": {
+            name: {other: int(((label == other) & (skill == k)).sum()) for other in performed}
+            for k, name in enumerate(skills)
+        },
+    }
+
+
+def summarize_switching(recording: Recording, skills: tuple[str, ...]) -> dict[str, Any]:
+    """The switching sequence: seconds until each commanded gait was held for a full second, None if never."""
+    contact, skill = recording.contact[-1], recording.skill[-1]
+    label = label_over_time(contact, recording.period_s)
+    begins = np.flatnonzero(np.diff(skill, prepend=skill[0] - 1))
+    ends = [*begins[1:], len(skill)]
+    seconds = {}
+    for begin, end in zip(begins, ends, strict=True):
+        name = skills[skill[begin]]
+        taken = switch_time(label[:end], name, int(begin), recording.period_s)
+        seconds[name] = None if np.isnan(taken) else taken
+    return {"fell": bool(recording.fallen[-1]), "seconds_to_gait": seconds}
+
+
+def arrays(recording: Recording, skills: tuple[str, ...], commands: list[list[float]]) -> dict[str, np.ndarray]:
+    """What eval.npz holds for the analysis (see docs/evaluation.md)."""
+    shape = (len(skills), len(commands), *recording.contact.shape[1:])
+    return {
+        "period": np.array(recording.period_s),
+        "skills": np.array(skills),
+        "commands": np.array(commands, dtype=np.float32),
+        "contact": recording.contact[:-1].reshape(shape),
+        "skill_switch_contact": recording.contact[-1],
+        "skill_switch_skill": recording.skill[-1],
+        "skill_switch_joint_position": recording.joint_position[-1],
+        "skill_switch_joint_target": recording.joint_target[-1],
+        "skill_switch_velocity": recording.velocity[-1],
+        "skill_switch_command": recording.command[-1],
+    }
+
+
+def table(policies: dict[str, dict[str, Any]]) -> Table:
+    """One row per policy and skill."""
+    result = Table(title="evaluation")
+    headings = (
+        "policy",
+        "skill",
+        "gait right",
+        "stepping",
+        "falls",
+        "Hz",
+        "v err m/s",
+        "v err fast",
+        "yaw err rad/s",
+        "thigh",
+        "calf",
+    )
+    for column, heading in enumerate(headings):
+        result.add_column(heading, justify="left" if column < 2 else "right")
+    for policy, summary in policies.items():
+        for skill, part in (summary["skills"] | {"all": summary["all"]}).items():
+            joint = part["joint_tracking"]
+            result.add_row(
+                policy,
+                skill,
+                f"{part['gait_accuracy']:.0%}",
+                f"{part['stepping']:.0%}",
+                f"{part['falls']}/{part['rollouts']}",
+                _cell(part["frequency_hz"], ".2f"),
+                _cell(part["linear_error_m_s"], ".3f"),
+                _cell(part["linear_error_fast_m_s"], ".3f"),
+                _cell(part["yaw_rate_error_rad_s"], ".3f"),
+                _cell(joint.get("thigh"), ".1%"),
+                _cell(joint.get("calf"), ".1%"),
+                end_section=skill == "all",
+            )
+    return result
+
+
+def _mean(values: np.ndarray) -> float | None:
+    """Mean of the finite values; None where there are none."""
+    finite = values[np.isfinite(values)]
+    return float(finite.mean()) if finite.size else None
+
+
+def _cell(value: float | None, form: str) -> str:
+    return "-" if value is None else format(value, form)

@@ -1,0 +1,82 @@
+"""Rolling a policy out over every skill and command, and through the switching sequence."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from camp.build import build_env
+from camp.config import Config
+from camp.evaluation.config import EvaluationConfig
+from camp.motion.clips import Clip
+
+Policy = Callable[[Tensor], Tensor]  # observation (N, O) -> action (N, 12)
+
+
+@dataclass
+class Recording:
+    """What K skills x G commands and the switching sequence did over T control steps; the switch comes last.
+
+    R = K G + 1 robots. Rows after a robot's first fall belong to a restarted robot and must not be read.
+    """
+
+    period_s: float
+    skill: NDArray[np.integer]  # (R, T) label commanded
+    command: NDArray[np.floating]  # (R, T, 3) vx, vy in m/s, yaw rate in rad/s
+    velocity: NDArray[np.floating]  # (R, T, 3) the same, reached
+    contact: NDArray[np.bool_]  # (R, T, 4)
+    joint_target: NDArray[np.floating]  # (R, T, 12) rad, held during the step
+    joint_position: NDArray[np.floating]  # (R, T, 12) rad, at its end
+    qpos: NDArray[np.floating]  # (R, T, 19) for pictures
+    fallen: NDArray[np.bool_]  # (R,)
+
+
+def evaluation_setting(config: Config, evaluation: EvaluationConfig) -> Config:
+    """The run's configuration with the nominal robot, no noise, no pushes, standing starts and no clock."""
+    setting = copy.deepcopy(config)
+    endless = 10.0 * evaluation.duration_s
+    env = setting.env
+    env.episode_s = env.command.period_s = env.command.skill_period_s = endless
+    env.noise.enabled = env.randomization.enabled = env.push.enabled = False
+    env.initialization.reference_share = 0.0
+    env.initialization.joint_position_scale = [1.0, 1.0]
+    return setting
+
+
+def roll_out(policy: Policy, config: Config, evaluation: EvaluationConfig, clips: list[Clip]) -> Recording:
+    """Run the deterministic ``policy`` in all situations at once."""
+    num_skills, commands = len(config.motion.skills), torch.tensor(evaluation.commands, dtype=torch.float32)
+    grid_skill = torch.arange(num_skills).repeat_interleave(len(commands))
+    command = torch.cat([commands.repeat(num_skills, 1), torch.tensor([evaluation.switch_command])])
+    steps = round(evaluation.duration_s / config.env.control_period_s)
+    switch_skill = torch.arange(steps) * num_skills // steps
+    env = build_env(evaluation_setting(config, evaluation), clips, num_envs=len(command))
+    kept: dict[str, list[Tensor]] = {name: [] for name in _RECORDED}
+    fallen = torch.zeros(len(command), dtype=torch.bool)
+    try:
+        env.reset(seed=config.seed, options={"stagger": False})
+        for step in range(steps):
+            skill = torch.cat([grid_skill, switch_skill[step : step + 1]])
+            observation = env.set_command(command, skill)
+            with torch.no_grad():
+                action = policy(observation)
+            result = env.advance(action)
+            state = env.sim.state
+            fallen |= result.terminated
+            target = env.default_pose + config.robot.action_scale * action
+            values = (skill, command, result.velocity, result.foot_contact, target, state.joint_position, state.qpos())
+            for name, value in zip(_RECORDED, values, strict=True):
+                kept[name].append(value)
+    finally:
+        env.close()
+    arrays = {name: torch.stack(values, dim=1).numpy() for name, values in kept.items()}
+    return Recording(period_s=config.env.control_period_s, fallen=fallen.numpy(), **arrays)
+
+
+_RECORDED = ("skill", "command", "velocity", "contact", "joint_target", "joint_position", "qpos")
