@@ -66,4 +66,4 @@ def _as_action(target: Tensor, scale: float) -> Tensor:
 
 
 def _rows(values: np.ndarray) -> Tensor:
-    return torch.from_numpy(np.ascontiguousarray(values, dtype=np.float32))
+    return torch.from_numpy(np.array(values, dtype=np.float32))
