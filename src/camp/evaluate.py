@@ -1,4 +1,4 @@
-"""Evaluate a run: ``python -m camp.evaluate run=<run folder>``; see conf/evaluate.yaml."""
+"""Evaluate a run: ``python -m camp.evaluate run=<run folder>``; see conf/evaluation/evaluate.yaml."""
 
 from __future__ import annotations
 
@@ -79,4 +79,4 @@ def _write_arrays(path: Path, values: dict[str, np.ndarray]) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(run_hydra("evaluate", evaluate))
+    sys.exit(run_hydra("evaluation/evaluate", evaluate))

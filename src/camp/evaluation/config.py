@@ -1,9 +1,9 @@
-"""Schema of conf/evaluate.yaml."""
+"""Schema of conf/evaluation/evaluate.yaml."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import cast
+from typing import Any, cast
 
 from omegaconf import MISSING, DictConfig, OmegaConf
 
@@ -17,7 +17,8 @@ class EvaluationConfig:
     run: str = MISSING  # folder that camp.train wrote
     duration_s: float = MISSING
     discard_s: float = MISSING
-    commands: list[list[float]] = field(default_factory=list)  # (G, 3) vx, vy in m/s, yaw rate in rad/s
+    # OmegaConf takes no whole number for a float in a nested list, so the numbers are checked here.
+    commands: list[Any] = field(default_factory=list)  # (G, 3) vx, vy in m/s, yaw rate in rad/s
     switch_command: list[float] = field(default_factory=list)  # (3,)
     video: bool = MISSING
     video_command: int = MISSING  # index into commands
@@ -33,8 +34,9 @@ class EvaluationConfig:
             f"leave 2 s or more of the {self.duration_s} s for the gait metric",
         )
         checks.require(len(self.commands) > 0, "commands", list(self.commands), "give one [vx, vy, yaw rate] or more")
-        for command in [*self.commands, self.switch_command]:
-            checks.require(len(command) == 3, "commands", list(command), "give [vx, vy, yaw rate]")
+        for name, command in [("switch_command", self.switch_command), *(("commands", c) for c in self.commands)]:
+            holds = isinstance(command, list) and len(command) == 3 and all(isinstance(v, int | float) for v in command)
+            checks.require(holds, name, command, "give [vx, vy, yaw rate] in m/s, m/s, rad/s")
         last = len(self.commands) - 1
         checks.require(
             0 <= self.video_command <= last, "video_command", self.video_command, f"choose an index from 0 to {last}"

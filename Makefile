@@ -1,0 +1,66 @@
+# One command per habit; `make help` lists them. Every target that runs Python sets up what it needs first.
+
+PYTHON ?= python3
+VENV   ?= .venv
+RUN    ?= outputs/latest
+ARGS   ?=
+BIN    := $(VENV)/bin
+STAMP  := $(VENV)/.installed
+
+# MuJoCo renders off-screen through EGL, or through OSMesa (slower) where no EGL library is installed; to
+# choose yourself: `make MUJOCO_GL=osmesa train`. macOS has its own renderer and needs neither.
+ifeq ($(shell uname -s),Linux)
+export MUJOCO_GL ?= $(if $(shell ldconfig -p 2>/dev/null | grep -F libEGL.so),egl,osmesa)
+endif
+
+.DEFAULT_GOAL := help
+.PHONY: help setup test check train evaluate figures dataset bench clean
+.NOTPARALLEL:
+
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
+	@echo "ARGS='...' is passed on, e.g. make train ARGS='seed=1'. Run folders lie under outputs/."
+
+setup: $(STAMP) ## create .venv and install the pinned dependencies (once)
+
+# make runs this only while the stamp is missing or older than a list of dependencies.
+$(STAMP): pyproject.toml constraints.txt
+	@command -v "$(PYTHON)" >/dev/null || { \
+		echo "error: PYTHON=$(PYTHON): no such command; install Python 3.11 or newer, or pass PYTHON=<path>" >&2; exit 2; }
+	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+		echo "error: PYTHON=$(PYTHON) is $$("$(PYTHON)" -V 2>&1): camp needs 3.11 or newer; pass PYTHON=<path of one>" >&2; exit 2; }
+	@"$(PYTHON)" -c 'import venv, ensurepip' 2>/dev/null || { \
+		echo "error: PYTHON=$(PYTHON): the venv module is missing; install it (Debian, Ubuntu: apt install python3-venv)" >&2; exit 2; }
+	@echo "setting up $(VENV) (minutes, the first time)"
+	"$(PYTHON)" -m venv "$(VENV)"
+	"$(BIN)/python" -m pip install --quiet --no-compile --disable-pip-version-check -e '.[dev]' -c constraints.txt
+	@touch "$@"
+
+test: setup ## run all tests
+	"$(BIN)/python" -m pytest $(ARGS)
+
+check: setup ## format, lint, check types, run the fast tests
+	"$(BIN)/ruff" format .
+	"$(BIN)/ruff" check --fix .
+	"$(BIN)/pyright" --pythonpath "$(BIN)/python"
+	"$(BIN)/python" -m pytest -m "not slow" $(ARGS)
+
+train: setup ## train with the 30-minute preset, evaluate the run, draw its figures
+	"$(BIN)/python" -m camp.train run=quick $(ARGS)
+	@$(MAKE) --no-print-directory evaluate figures RUN="$$(readlink -f outputs/latest)" ARGS=
+
+evaluate: setup ## evaluate RUN: table, eval.json, eval.npz, videos
+	"$(BIN)/python" -m camp.evaluate run="$(RUN)" $(ARGS)
+
+figures: setup ## draw the figures of RUN
+	"$(BIN)/python" -m analysis run="$(RUN)"
+
+dataset: setup ## generate the expert motions
+	"$(BIN)/python" -m camp.dataset $(ARGS)
+
+bench: setup ## measure simulation, environment and training speed
+	"$(BIN)/python" -m camp.bench $(ARGS)
+
+clean: ## remove the virtual environment, builds and caches (never outputs/)
+	rm -rf "$(VENV)" build dist .pytest_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -type d -not -path './outputs/*' -prune -exec rm -rf {} +

@@ -1,0 +1,41 @@
+"""Means of metrics over the minibatches of one update."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import torch
+from torch import Tensor
+from torch.nn import functional
+
+
+class Averages:
+    """Sums on the device and transfers once, so that logging never makes the accelerator wait."""
+
+    def __init__(self) -> None:
+        self._sum: dict[str, Tensor] = {}
+        self._count: dict[str, Tensor] = {}
+
+    def add(self, name: str, values: Tensor) -> None:
+        """Takes values of any shape; each element counts once."""
+        values = values.detach().to(torch.float32)
+        self._add(name, values.sum(), torch.tensor(float(values.numel()), device=values.device))
+
+    def add_per_skill(self, name: str, values: Tensor, skill: Tensor, skills: Sequence[str]) -> None:
+        """Takes values (B,) with labels (B,) and keeps one mean per skill under `name/<skill>`."""
+        member = functional.one_hot(skill, len(skills)).to(torch.float32)  # (B, K)
+        sums, counts = values.detach().to(torch.float32) @ member, member.sum(dim=0)
+        for i, label in enumerate(skills):
+            self._add(f"{name}/{label}", sums[i], counts[i])
+
+    def _add(self, name: str, total: Tensor, count: Tensor) -> None:
+        self._sum[name] = self._sum[name] + total if name in self._sum else total
+        self._count[name] = self._count[name] + count if name in self._count else count
+
+    def result(self) -> dict[str, float]:
+        """Mean per name; a skill of which nothing was seen is left out."""
+        if not self._sum:
+            return {}
+        sums = torch.stack(list(self._sum.values())).tolist()
+        counts = torch.stack(list(self._count.values())).tolist()
+        return {name: s / n for name, s, n in zip(self._sum, sums, counts, strict=True) if n > 0}

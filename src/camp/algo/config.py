@@ -1,0 +1,212 @@
+"""Schema of conf/algo: types, units, ranges.
+
+Values live in the YAML; `check` says which key is wrong and what to do.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from omegaconf import MISSING
+
+from camp.errors import ConfigError
+
+
+def _require(holds: bool, key: str, value: object, remedy: str) -> None:
+    if not holds:
+        raise ConfigError(f"{key} = {value!r}: {remedy}")
+
+
+def _positive(key: str, value: float) -> None:
+    _require(0.0 < value < math.inf, key, value, "choose a finite number above 0")
+
+
+def _not_negative(key: str, value: float) -> None:
+    _require(0.0 <= value < math.inf, key, value, "choose a finite number of 0 or more")
+
+
+def _share(key: str, value: float) -> None:
+    _require(0.0 <= value < 1.0, key, value, "choose a share in [0, 1)")
+
+
+def _unit(key: str, value: float) -> None:
+    _require(0.0 <= value <= 1.0, key, value, "choose a factor in [0, 1]")
+
+
+def _count(key: str, value: int) -> None:
+    _require(value >= 1, key, value, "choose a whole number of 1 or more")
+
+
+def _hidden(key: str, sizes: list[int]) -> None:
+    holds = len(sizes) > 0 and all(size >= 1 for size in sizes)
+    _require(holds, key, list(sizes), "list one or more layer sizes of 1 or more")
+
+
+@dataclass
+class ActorConfig:
+    """Policy network and exploration."""
+
+    hidden: list[int] = MISSING  # units per hidden layer
+    initial_std: float = MISSING  # action units, within [min_std, max_std]
+    min_std: float = MISSING  # action units, floor of the exploration std
+    max_std: float = MISSING  # action units, ceiling
+    learn_std: bool = MISSING  # false: the std only moves by `set_std`
+
+    def check(self) -> None:
+        _hidden("algo.actor.hidden", self.hidden)
+        _positive("algo.actor.min_std", self.min_std)
+        _positive("algo.actor.max_std", self.max_std)
+        _require(
+            self.min_std <= self.initial_std <= self.max_std,
+            "algo.actor.initial_std",
+            self.initial_std,
+            f"choose a value within algo.actor.min_std .. max_std ({self.min_std} .. {self.max_std})",
+        )
+
+
+@dataclass
+class CriticConfig:
+    """Value network."""
+
+    hidden: list[int] = MISSING  # units per hidden layer
+
+    def check(self) -> None:
+        _hidden("algo.critic.hidden", self.hidden)
+
+
+@dataclass
+class PPOConfig:
+    """Proximal policy optimization."""
+
+    discount: float = MISSING  # gamma per control step, [0, 1]
+    trace: float = MISSING  # lambda of GAE, [0, 1]
+    clip: float = MISSING  # probability ratio kept within 1 +- clip, > 0
+    value_clip: float = MISSING  # value moves per update, in standard deviations of the return; 0 = unclipped
+    entropy: float = MISSING  # weight of the entropy bonus, >= 0
+    epochs: int = MISSING  # passes over the rollout per iteration
+    minibatches: int = MISSING  # per epoch, permuted anew each epoch
+    learning_rate: float = MISSING  # actor, start of the adaptive rule, within [min, max]
+    min_learning_rate: float = MISSING  # actor, floor of the adaptive rule
+    max_learning_rate: float = MISSING  # actor, ceiling of the adaptive rule
+    adaptive: bool = MISSING  # steer the actor's rate so that the KL per iteration stays near desired_kl
+    desired_kl: float = MISSING  # nats, > 0
+    critic_learning_rate: float = MISSING  # constant: the KL rule must not starve the critic
+    max_grad_norm: float = MISSING  # per network, > 0
+    update_normalizer: bool = MISSING  # false freezes the actor's input statistics (imitation's)
+
+    def check(self) -> None:
+        _unit("algo.ppo.discount", self.discount)
+        _unit("algo.ppo.trace", self.trace)
+        _positive("algo.ppo.clip", self.clip)
+        _not_negative("algo.ppo.value_clip", self.value_clip)
+        _not_negative("algo.ppo.entropy", self.entropy)
+        _count("algo.ppo.epochs", self.epochs)
+        _count("algo.ppo.minibatches", self.minibatches)
+        _positive("algo.ppo.min_learning_rate", self.min_learning_rate)
+        _positive("algo.ppo.max_learning_rate", self.max_learning_rate)
+        _require(
+            self.min_learning_rate <= self.learning_rate <= self.max_learning_rate,
+            "algo.ppo.learning_rate",
+            self.learning_rate,
+            "choose a value within algo.ppo.min_learning_rate .. max_learning_rate "
+            f"({self.min_learning_rate} .. {self.max_learning_rate})",
+        )
+        _positive("algo.ppo.desired_kl", self.desired_kl)
+        _positive("algo.ppo.critic_learning_rate", self.critic_learning_rate)
+        _positive("algo.ppo.max_grad_norm", self.max_grad_norm)
+
+
+@dataclass
+class StyleConfig:
+    """Conditional discriminator, eq. (3), and style reward, eq. (4)."""
+
+    enabled: bool = MISSING  # false: not built; weight 0: trained and logged, not rewarded
+    weight: float = MISSING  # omega^style of eq. (2)
+    conditional: bool = MISSING  # false: plain AMP discriminator, and the embedding stays as initialized
+    hidden: list[int] = MISSING  # units per hidden layer
+    learning_rate: float = MISSING  # Adam, > 0
+    updates: int = MISSING  # discriminator steps per iteration
+    batch_size: int = MISSING  # expert transitions per step, and as many fake ones
+    gradient_penalty: float = MISSING  # omega_gp, per squared (1 / standardized unit)
+    trunk_weight_decay: float = MISSING  # L2 inside Adam, hidden layers
+    head_weight_decay: float = MISSING  # L2 inside Adam, logit layer; twice peers' "logit regularization"
+    replay_size: int = MISSING  # past policy transitions kept; 0 = none
+    input_noise: float = MISSING  # std added to expert and policy states, standardized units
+    mismatch_share: float = MISSING  # of the fakes: expert motion with a wrong label; needs conditional
+
+    def check(self) -> None:
+        _not_negative("algo.style.weight", self.weight)
+        _hidden("algo.style.hidden", self.hidden)
+        _positive("algo.style.learning_rate", self.learning_rate)
+        _count("algo.style.updates", self.updates)
+        _count("algo.style.batch_size", self.batch_size)
+        _not_negative("algo.style.gradient_penalty", self.gradient_penalty)
+        _not_negative("algo.style.trunk_weight_decay", self.trunk_weight_decay)
+        _not_negative("algo.style.head_weight_decay", self.head_weight_decay)
+        _not_negative("algo.style.replay_size", self.replay_size)
+        _not_negative("algo.style.input_noise", self.input_noise)
+        _share("algo.style.mismatch_share", self.mismatch_share)
+        _require(
+            self.conditional or self.mismatch_share == 0.0,
+            "algo.style.mismatch_share",
+            self.mismatch_share,
+            "set it to 0 where algo.style.conditional is false: without z a wrong label is no difference",
+        )
+
+
+@dataclass
+class SkillConfig:
+    """Skill discriminator, eqs. (5), (7), (8), and skill reward, eq. (6)."""
+
+    enabled: bool = MISSING  # false: not built; weight 0: trained and logged, not rewarded
+    weight: float = MISSING  # omega^skill of eq. (2)
+    hidden: list[int] = MISSING  # units per hidden layer
+    learning_rate: float = MISSING  # Adam, > 0
+    updates: int = MISSING  # steps per iteration
+    batch_size: int = MISSING  # expert transitions per step
+    gradient_penalty: float = MISSING  # lambda of eq. (8)
+
+    def check(self) -> None:
+        _not_negative("algo.skill.weight", self.weight)
+        _hidden("algo.skill.hidden", self.hidden)
+        _positive("algo.skill.learning_rate", self.learning_rate)
+        _count("algo.skill.updates", self.updates)
+        _count("algo.skill.batch_size", self.batch_size)
+        _not_negative("algo.skill.gradient_penalty", self.gradient_penalty)
+
+
+@dataclass
+class ImitationConfig:
+    """Supervised warm start on the expert's answers; 0 epochs: from scratch, as in the paper."""
+
+    epochs: int = MISSING  # passes over the pairs; 0 = no warm start
+    batch_size: int = MISSING  # pairs per step
+    learning_rate: float = MISSING  # Adam, start of the cosine
+    last_action_noise: float = MISSING  # std on the last-action input, action units
+
+    def check(self) -> None:
+        _not_negative("algo.imitation.epochs", self.epochs)
+        _count("algo.imitation.batch_size", self.batch_size)
+        _positive("algo.imitation.learning_rate", self.learning_rate)
+        _not_negative("algo.imitation.last_action_noise", self.last_action_noise)
+
+
+@dataclass
+class AlgoConfig:
+    """The whole group conf/algo."""
+
+    task_weight: float = MISSING  # omega^task of eq. (2)
+    embedding_size: int = MISSING  # d_z, at least the number of skills
+    actor: ActorConfig = field(default_factory=ActorConfig)
+    critic: CriticConfig = field(default_factory=CriticConfig)
+    ppo: PPOConfig = field(default_factory=PPOConfig)
+    style: StyleConfig = field(default_factory=StyleConfig)
+    skill: SkillConfig = field(default_factory=SkillConfig)
+    imitation: ImitationConfig = field(default_factory=ImitationConfig)
+
+    def check(self) -> None:
+        _not_negative("algo.task_weight", self.task_weight)
+        _count("algo.embedding_size", self.embedding_size)
+        for part in (self.actor, self.critic, self.ppo, self.style, self.skill, self.imitation):
+            part.check()

@@ -1,0 +1,68 @@
+"""Warm start: supervised regression of the actor on the expert's answers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+from torch.nn import functional
+
+from camp.algo.averages import Averages
+from camp.algo.config import ImitationConfig
+from camp.algo.models import GaussianActor
+from camp.algo.ppo import minibatches
+
+
+@dataclass
+class ImitationData:
+    """Expert pairs on the actor's device."""
+
+    observation: Tensor  # (M, O) as the environment would give it
+    action: Tensor  # (M, A) the expert's clean answer, action units
+    last_action: slice  # where the observation holds the previous action
+
+
+def imitate(
+    actor: GaussianActor, data: ImitationData, config: ImitationConfig, generator: torch.Generator
+) -> Iterator[dict[str, float]]:
+    """Fits the actor's mean to the expert's actions (squared error, Adam, cosine rate); yields per epoch.
+
+    The last action all but gives the next one away, and a clone that leans on it repeats its own errors in
+    closed loop: noise on that input (fresh in every minibatch) keeps it useful without being trusted. The
+    actor's normalizer is fed once, with observations noised the same way; its exploration std is not touched.
+
+    generator: on the actor's device. Raises ValueError where there are no pairs.
+    """
+    pairs = data.observation.shape[0]
+    if pairs == 0:
+        raise ValueError("imitate: no (observation, action) pairs; generate clips first")
+    actor.normalizer.update(_noised(data.observation, data.last_action, config, generator))
+    optimizer = torch.optim.Adam(actor.network.parameters(), lr=config.learning_rate, fused=True)
+    per_epoch = math.ceil(pairs / config.batch_size)
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, T_max=per_epoch * config.epochs)
+    for epoch in range(config.epochs):
+        averages = Averages()
+        for index in minibatches(pairs, 1, per_epoch, generator):
+            observation = _noised(data.observation[index], data.last_action, config, generator)
+            loss = functional.mse_loss(actor(observation), data.action[index])
+            optimizer.zero_grad(set_to_none=True)
+            loss.backward()
+            optimizer.step()
+            schedule.step()
+            averages.add("imitation/loss", loss)
+        yield averages.result() | {
+            "imitation/epoch": float(epoch + 1),
+            "imitation/learning_rate": schedule.get_last_lr()[0],
+        }
+
+
+def _noised(
+    observation: Tensor, last_action: slice, config: ImitationConfig, generator: torch.Generator
+) -> Tensor:
+    noised = observation.clone()
+    part = noised[:, last_action]
+    part += config.last_action_noise * torch.randn(part.shape, generator=generator, device=part.device)
+    return noised

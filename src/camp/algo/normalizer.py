@@ -1,0 +1,52 @@
+"""Running standardization of network inputs, saved with the model."""
+
+from __future__ import annotations
+
+import torch
+from torch import Tensor, nn
+
+VARIANCE_FLOOR = 1e-6  # squared input units; keeps inputs that never vary (an unused one-hot entry) finite
+
+
+class RunningNormalizer(nn.Module):
+    """Standardizes the last dimension by the mean and variance of all rows ever given to `update`.
+
+    `forward` never updates: when statistics move is the caller's decision, because a moved normalizer changes
+    every network behind it. Before the first `update` it is the identity (up to clipping). Statistics are
+    merged exactly (Chan et al. 1979) and kept in float64, so that 1e9 rows neither drift nor cancel.
+    """
+
+    mean: Tensor  # (size,) float64
+    variance: Tensor  # (size,) float64, population variance
+    count: Tensor  # () float64, rows seen
+
+    def __init__(self, size: int, clip: float = 10.0) -> None:
+        """size: inputs; clip: bound on the standardized value, in standard deviations."""
+        super().__init__()
+        self.clip = clip
+        self.register_buffer("mean", torch.zeros(size, dtype=torch.float64))
+        self.register_buffer("variance", torch.ones(size, dtype=torch.float64))
+        self.register_buffer("count", torch.zeros((), dtype=torch.float64))
+
+    @property
+    def std(self) -> Tensor:
+        """(size,) float64, floored."""
+        return (self.variance + VARIANCE_FLOOR).sqrt()
+
+    @torch.no_grad()
+    def update(self, x: Tensor) -> None:
+        """Merges the rows of x (..., size) into the statistics."""
+        rows = x.reshape(-1, x.shape[-1]).to(torch.float64)
+        if rows.shape[0] == 0:
+            return
+        variance, mean = torch.var_mean(rows, dim=0, correction=0)
+        total = self.count + rows.shape[0]
+        share = rows.shape[0] / total  # of the new rows
+        delta = mean - self.mean
+        self.variance.mul_(1.0 - share).add_(variance * share + delta.square() * share * (1.0 - share))
+        self.mean.add_(delta * share)
+        self.count.copy_(total)
+
+    def forward(self, x: Tensor) -> Tensor:
+        """(..., size) -> the same shape and dtype, standardized and clipped."""
+        return ((x - self.mean.to(x.dtype)) / self.std.to(x.dtype)).clamp(-self.clip, self.clip)

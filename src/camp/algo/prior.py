@@ -1,0 +1,59 @@
+"""What the training loop asks of a motion prior, and what both priors share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import torch
+from torch import Tensor
+
+from camp.data import Transition
+
+SCORE_CHUNK = 16384  # transitions scored at once; bounds the activations (64 MiB for 1024 units)
+
+
+class DemonstrationSource(Protocol):
+    """Where expert transitions come from (`camp.motion.sampler.Demonstrations`)."""
+
+    def sample(self, n: int, generator: torch.Generator) -> Transition:
+        """n expert transitions, the same number of each skill (+-1)."""
+        ...
+
+
+class Prior(Protocol):
+    """A learned judge of motion: rewards the policy and learns beside it, with its own optimizer.
+
+    One that is not wanted is not built (`enabled: false`); one with weight 0 learns and is logged without
+    being rewarded.
+    """
+
+    name: str  # key of its reward term and of its metrics, `prior/<name>/...`
+    weight: float  # in eq. (2)
+
+    def reward(self, transition: Transition) -> Tensor:
+        """(B,) reward, without gradient, as judged for the commanded skill `transition.skill`."""
+        ...
+
+    def update(
+        self, policy: Transition, demonstrations: DemonstrationSource, generator: torch.Generator
+    ) -> dict[str, float]:
+        """Learns from this iteration's policy transitions and from demonstrations; returns metrics."""
+        ...
+
+    def state_dict(self) -> dict[str, Any]: ...
+
+    def load_state_dict(self, state: dict[str, Any]) -> None: ...
+
+
+def in_chunks(score: Callable[[Transition], Tensor], transition: Transition) -> Tensor:
+    """score(transition) (B, ...) computed piece by piece, without gradient."""
+    with torch.no_grad():
+        pieces = range(0, len(transition), SCORE_CHUNK)
+        return torch.cat([score(transition.take(slice(i, i + SCORE_CHUNK))) for i in pieces])
+
+
+def draw(transition: Transition, n: int, generator: torch.Generator) -> Transition:
+    """n transitions drawn uniformly with replacement."""
+    index = torch.randint(len(transition), (n,), generator=generator, device=generator.device)
+    return transition.take(index)

@@ -1,0 +1,183 @@
+"""What every command line of camp shares: Hydra's configuration, one-line errors, run folders."""
+
+from __future__ import annotations
+
+import contextlib
+import difflib
+import os
+import sys
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import hydra
+from hydra.core.hydra_config import HydraConfig
+from hydra.types import RunMode
+from omegaconf import DictConfig
+
+from camp.compose import register_ablations
+from camp.errors import ConfigError
+from camp.hydra_errors import INPUT_ERRORS, describe
+from camp.paths import config_root
+
+EXIT_BUG = 1
+EXIT_INPUT = 2
+EXIT_INTERRUPTED = 130  # what a shell reports for Ctrl-C
+
+# Hydra's options, by whether a value follows as the next argument.
+_FLAGS = ("--multirun", "-m", "--run", "-r", "--help", "-h", "--hydra-help", "--version", "--resolve")
+_FLAGS_WITH_VALUE = (
+    *("--cfg", "-c", "--package", "-p", "--info", "-i", "--config-path", "-cp", "--config-name", "-cn"),
+    *("--config-dir", "-cd"),
+)
+
+
+def run_hydra(config_name: str, task: Callable[[DictConfig], Any], argv: Sequence[str] | None = None) -> int:
+    """Compose `conf/<config_name>.yaml` with the overrides in `argv` (default: the command line), run `task`.
+
+    Groups are the folders beside that file.
+
+    Returns the exit code: 0; EXIT_INPUT after an error of the input, told in one line on stderr; EXIT_BUG
+    after a job of a sweep ended in a bug, its traceback on stderr; EXIT_INTERRUPTED after Ctrl-C. Outside a
+    sweep a bug propagates. A sweep goes on after a failed job; Ctrl-C ends it, provided that `task` lets
+    KeyboardInterrupt through. CAMP_DEBUG=1 shows the traceback of input errors too.
+    """
+    job = _Job(task)
+    primary = config_root() / config_name
+    register_ablations()
+    try:
+        with _command_line(_overrides_first(sys.argv[1:] if argv is None else argv)):
+            hydra.main(config_path=str(primary.parent), config_name=primary.name, version_base="1.3")(job)()
+        if job.error is not None:
+            raise job.error
+        return max(job.exit_codes, default=0)
+    except INPUT_ERRORS as error:
+        return _report(error)
+    except _JobFailedElsewhereError as failure:
+        return failure.exit_code
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return EXIT_INTERRUPTED
+    except SystemExit as leave:  # --help, --version
+        return leave.code if isinstance(leave.code, int) else int(leave.code is not None)
+
+
+def new_run_folder(root: Path, name: str) -> Path:
+    """Create `<root>/<date>-<time>-<name>`, numbered when that exists, and let `<root>/latest` point to it.
+
+    Call it after everything has been validated: a command that fails early then leaves nothing behind.
+    Raises ConfigError when `root` cannot be written.
+    """
+    stem = f"{datetime.now():%Y%m%d-%H%M%S}-{name}"
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+        for attempt in range(1, 1000):
+            folder = root / (stem if attempt == 1 else f"{stem}-{attempt}")
+            with contextlib.suppress(FileExistsError):
+                folder.mkdir()  # creates or fails in one step, so that two jobs never share a folder
+                _point(root / "latest", folder)
+                return folder
+    except OSError as error:
+        raise ConfigError(
+            f"output folder {root}: {error.strerror or error}; choose one that can be written"
+        ) from error
+    raise ConfigError(f"output folder {root}: already holds 999 runs {stem}; choose another name")
+
+
+class _JobFailedElsewhereError(Exception):
+    """A job that a launcher ran in another process failed; its error has been printed there."""
+
+    def __init__(self, exit_code: int) -> None:
+        super().__init__(exit_code)
+        self.exit_code = exit_code
+
+
+class _Job:
+    """The task as Hydra calls it: once, or once for each job of a sweep."""
+
+    def __init__(self, task: Callable[[DictConfig], Any]) -> None:
+        self.task = task
+        self.process = os.getpid()
+        self.error: Exception | None = None  # of a single run
+        self.exit_codes: list[int] = []  # of a sweep's failed jobs
+
+    def __call__(self, config: DictConfig) -> Any:
+        """Run the task. Its errors bypass Hydra, which would wrap them in lines of its own."""
+        try:
+            return self.task(config)
+        except Exception as error:
+            if HydraConfig.get().mode != RunMode.MULTIRUN:
+                self.error = error
+                return None
+            exit_code = _report(error, f"job {HydraConfig.get().job.num}: ")
+            if os.getpid() != self.process:
+                raise _JobFailedElsewhereError(exit_code) from None
+            self.exit_codes.append(exit_code)
+            return None
+
+
+def _report(error: Exception, prefix: str = "") -> int:
+    """Print an error of the input as one line, anything else as a bug; return the exit code."""
+    bug = not isinstance(error, INPUT_ERRORS)
+    if bug or os.environ.get("CAMP_DEBUG") == "1":
+        traceback.print_exception(error)
+    if not bug:
+        print(f"error: {prefix}{describe(error)}", file=sys.stderr, flush=True)
+    return EXIT_BUG if bug else EXIT_INPUT
+
+
+def _overrides_first(argv: Sequence[str]) -> list[str]:
+    """The arguments with all options behind the overrides, since Hydra's parser takes no override after one.
+
+    Raises ConfigError for an option that does not exist, such as an override written with dashes.
+    """
+    overrides: list[str] = []
+    options: list[str] = []
+    arguments = iter(argv)
+    for argument in arguments:
+        name, equals, _ = argument.partition("=")
+        if not argument.startswith("-"):
+            overrides.append(argument)
+        elif name not in _FLAGS + _FLAGS_WITH_VALUE:
+            raise ConfigError(_unknown_option(argument))
+        else:
+            options.append(argument)
+            if name in _FLAGS_WITH_VALUE and not equals:
+                options.extend(value for value in [next(arguments, None)] if value is not None)
+    for name in _FLAGS_WITH_VALUE:
+        if options and options[-1] == name:
+            raise ConfigError(f"option {name}: has no value; write {name} <value>, see --hydra-help")
+    return overrides + options
+
+
+def _unknown_option(argument: str) -> str:
+    name, equals, _ = argument.partition("=")
+    if equals:
+        return f"option {argument}: no such option; overrides have no dashes: {argument.lstrip('-')}"
+    close = difflib.get_close_matches(name, _FLAGS + _FLAGS_WITH_VALUE, n=1)
+    return f"option {argument}: no such option; {f'did you mean {close[0]}?' if close else 'see --help'}"
+
+
+@contextlib.contextmanager
+def _command_line(arguments: Sequence[str]) -> Iterator[None]:
+    """Let hydra.main see these arguments, and raise its errors instead of printing them and leaving."""
+    argv, full_error = sys.argv, os.environ.get("HYDRA_FULL_ERROR")
+    sys.argv = [argv[0], *arguments]
+    os.environ["HYDRA_FULL_ERROR"] = "1"
+    try:
+        yield
+    finally:
+        sys.argv = argv
+        if full_error is None:
+            del os.environ["HYDRA_FULL_ERROR"]
+        else:
+            os.environ["HYDRA_FULL_ERROR"] = full_error
+
+
+def _point(link: Path, folder: Path) -> None:
+    """Make `link` a symbolic link to its sibling `folder`, in one step for whoever reads it meanwhile."""
+    fresh = link.with_name(f".{link.name}-{folder.name}")
+    fresh.symlink_to(folder.name, target_is_directory=True)
+    fresh.replace(link)

@@ -1,0 +1,1 @@
+"""Measurements of motion in plain numpy: gait from foot contacts, tracking from states."""

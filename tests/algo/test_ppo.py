@@ -1,0 +1,196 @@
+"""PPO: bookkeeping that must hold exactly, and two small problems it has to solve."""
+
+from __future__ import annotations
+
+import copy
+
+import pytest
+import torch
+
+from camp.algo.losses import gae, gaussian_log_prob
+from camp.algo.ppo import PPO, explained_variance, minibatches
+from camp.data import Rollout
+from tests.algo.synthetic import assert_identical, make_ppo, make_rollout, rng
+
+
+def advantage_of(rollout: Rollout) -> tuple[torch.Tensor, torch.Tensor]:
+    return gae(
+        rollout.task_reward,
+        rollout.value,
+        rollout.next_value,
+        rollout.terminated,
+        rollout.truncated,
+        0.99,
+        0.95,
+    )
+
+
+def train(ppo: PPO, seeds: range) -> None:
+    for seed in seeds:
+        rollout = make_rollout(ppo, seed)
+        ppo.update(rollout, *advantage_of(rollout), rng(seed + 100))
+
+
+def test_minibatches_cover_every_row_once_per_epoch_in_a_new_order():
+    parts = list(minibatches(10, epochs=2, count=4, generator=rng()))
+    assert [len(p) for p in parts] == [3, 3, 2, 2] * 2
+    first, second = torch.cat(parts[:4]), torch.cat(parts[4:])
+    assert sorted(first.tolist()) == sorted(second.tolist()) == list(range(10))
+    assert not torch.equal(first, second)
+
+
+def test_fewer_rows_than_minibatches_leave_no_minibatch_empty():
+    assert [len(p) for p in minibatches(2, epochs=1, count=4, generator=rng())] == [1, 1]
+
+
+def test_explained_variance_landmarks():
+    return_ = torch.tensor([1.0, 2.0, 3.0])
+    assert explained_variance(return_ + 7.0, return_).item() == pytest.approx(1.0)
+    assert explained_variance(torch.zeros(3), return_).item() == pytest.approx(0.0)
+
+
+def test_act_samples_from_the_distribution_it_reports():
+    ppo = make_ppo()
+    decision = ppo.act(torch.randn(20_000, 5, generator=rng()), torch.zeros(20_000, 2), rng(1))
+    standardized = (decision.action - decision.mean) / decision.std
+    torch.testing.assert_close(standardized.mean(dim=0), torch.zeros(3), atol=0.03, rtol=0)
+    torch.testing.assert_close(standardized.std(dim=0), torch.ones(3), atol=0.03, rtol=0)
+    expected = gaussian_log_prob(decision.action, decision.mean, decision.std)
+    torch.testing.assert_close(decision.log_prob, expected)
+
+
+def test_a_policy_that_cannot_move_measures_no_change():
+    # Observations far from standardized: had the normalizers been fed before the update, old
+    # log-probabilities would be compared with those of another policy, and KL and clip fraction would not
+    # vanish.
+    rate = 1e-12
+    ppo = make_ppo(learning_rate=rate, min_learning_rate=rate, max_learning_rate=rate)
+    ppo.actor.network[-1].weight.data.mul_(100.0)  # type: ignore[union-attr, operator]
+    rollout = make_rollout(ppo, 0, scale=5.0)
+    metrics = ppo.update(rollout, *advantage_of(rollout), rng())
+    assert metrics["ppo/kl"] == pytest.approx(0.0, abs=1e-6)
+    assert metrics["ppo/clip_fraction"] == 0.0
+    # ... and afterwards they have been fed.
+    assert ppo.actor.normalizer.count.item() == ppo.critic.normalizer.count.item() == 64
+
+
+def test_actor_normalizer_can_be_frozen():
+    ppo = make_ppo(update_normalizer=False)
+    train(ppo, range(1))
+    assert ppo.actor.normalizer.count.item() == 0
+    assert ppo.critic.normalizer.count.item() == 64
+
+
+def test_critic_update_leaves_the_policy_and_its_rate_alone():
+    ppo = make_ppo()
+    actor, optimizer = copy.deepcopy(ppo.actor.state_dict()), copy.deepcopy(ppo.actor_optimizer.state_dict())
+    critic = copy.deepcopy(ppo.critic.state_dict())
+    rollout = make_rollout(ppo, 0)
+    metrics = ppo.update_critic(rollout, advantage_of(rollout)[1], rng())
+    assert_identical(ppo.actor.state_dict(), actor)
+    assert_identical(ppo.actor_optimizer.state_dict(), optimizer)
+    assert not torch.equal(ppo.critic.state_dict()["network.0.weight"], critic["network.0.weight"])
+    assert metrics["ppo/learning_rate"] == ppo.config.learning_rate
+
+
+def test_a_small_kl_raises_the_rate_to_its_ceiling_and_a_large_one_lowers_it_to_its_floor():
+    eager = make_ppo(desired_kl=1e6, max_learning_rate=1e-3)
+    train(eager, range(1))
+    assert eager.learning_rate == pytest.approx(1e-3)
+    careful = make_ppo(desired_kl=1e-9)
+    train(careful, range(1))
+    assert careful.learning_rate == pytest.approx(1e-5)
+
+
+def test_the_rate_stays_without_the_adaptive_rule():
+    ppo = make_ppo(adaptive=False, desired_kl=1e-9)
+    train(ppo, range(1))
+    assert ppo.learning_rate == 3e-4
+
+
+def test_set_learning_rate_respects_the_bounds():
+    ppo = make_ppo()
+    ppo.set_learning_rate(5e-5)
+    assert ppo.learning_rate == 5e-5
+    ppo.set_learning_rate(1.0)
+    assert ppo.learning_rate == ppo.config.max_learning_rate
+
+
+def test_a_fixed_std_is_not_trained():
+    ppo = make_ppo()
+    ppo.actor.log_std.requires_grad_(False)
+    frozen = PPO(ppo.actor, ppo.critic, ppo.config)
+    train(frozen, range(1))
+    torch.testing.assert_close(frozen.actor.std, torch.full((3,), 0.5))
+
+
+def test_a_restored_trainer_continues_bit_for_bit():
+    ppo = make_ppo()
+    train(ppo, range(2))
+    saved = copy.deepcopy(ppo.state_dict())
+    restored = make_ppo(seed=5)
+    restored.load_state_dict(saved)
+    assert restored.learning_rate == ppo.learning_rate != ppo.config.learning_rate
+    train(ppo, range(2, 3))
+    train(restored, range(2, 3))
+    assert_identical(ppo.state_dict(), restored.state_dict())
+
+
+def bandit_reward(ppo: PPO, generator: torch.Generator, envs: int = 256) -> tuple[Rollout, torch.Tensor]:
+    """One-step episodes: the best action is (o_0, -o_1); reward 1 - distance^2."""
+    observation = torch.randn(1, envs, 2, generator=generator)
+    target = observation * torch.tensor([1.0, -1.0])
+    decision = ppo.act(observation, observation[..., :1], generator)
+    reward = 1.0 - (decision.action - target).square().sum(dim=-1)
+    ended = torch.ones(1, envs, dtype=torch.bool)
+    rollout = Rollout(
+        observation=observation,
+        privileged=observation[..., :1],
+        action=decision.action,
+        log_prob=decision.log_prob,
+        action_mean=decision.mean,
+        action_std=decision.std,
+        value=decision.value,
+        next_value=torch.zeros(1, envs),
+        task_reward=reward,
+        terminated=ended,
+        truncated=~ended,
+        transition=torch.zeros(1, envs, 2, 1),
+        skill=torch.zeros(1, envs, dtype=torch.int64),
+    )
+    return rollout, reward.mean()
+
+
+def test_learns_a_contextual_bandit():
+    ppo = make_ppo(sizes=(2, 1, 2), max_learning_rate=1e-2, learning_rate=3e-3, entropy=0.0)
+    generator = rng(7)
+    rewards, metrics = [], {}
+    for _ in range(80):
+        rollout, reward = bandit_reward(ppo, generator)
+        rewards.append(reward.item())
+        metrics = ppo.update(rollout, *advantage_of(rollout), generator)
+    # At first actions ~ N(0, .5) miss targets of variance 1: 1 - 2 (1 + .25) = -1.5. At best 1 - 2 std^2.
+    assert rewards[0] < -1.0
+    assert sum(rewards[-5:]) / 5 > 0.85
+    assert metrics["ppo/std"] < 0.25
+
+
+def test_the_first_return_scale_does_not_stall_the_critic():
+    # The jump to the mean return must not count as a change that the value clip holds back.
+    ppo = make_ppo()
+    rollout = make_rollout(ppo, 0)
+    return_ = 300.0 + 20.0 * rollout.observation[..., 0]
+    metrics = ppo.update_critic(rollout, return_, rng())
+    assert metrics["ppo/grad_norm/critic"] > 0.1
+    assert metrics["ppo/value_loss"] < 5.0
+
+
+def test_the_critic_learns_returns_far_from_zero():
+    ppo = make_ppo()
+    generator = rng(1)
+    metrics = {}
+    for seed in range(60):
+        rollout = make_rollout(ppo, seed)
+        return_ = 300.0 + 20.0 * rollout.observation[..., 0] + 10.0 * rollout.privileged[..., 0]
+        metrics = ppo.update_critic(rollout, return_, generator)
+    assert metrics["ppo/explained_variance"] > 0.9

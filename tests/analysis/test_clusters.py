@@ -1,0 +1,64 @@
+"""K-means beside truth: agreement is found where it exists and only there."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from analysis.clusters import compute_clusters, draw_clusters, sample_transitions
+from analysis.style import save
+from tests.analysis.synthetic import clip_features
+
+
+@pytest.fixture(scope="module")
+def separable():
+    generator = np.random.default_rng(0)
+    feature, gait = sample_transitions(clip_features(generator), 30, generator)
+    return compute_clusters(feature, gait, seed=0)
+
+
+def test_sample_is_balanced_over_gaits():
+    generator = np.random.default_rng(0)
+    feature, gait = sample_transitions(clip_features(generator), 30, generator)
+    assert feature.shape == (120, 8)
+    assert np.unique(gait, return_counts=True)[1].tolist() == [30, 30, 30, 30]
+
+
+def test_kmeans_recovers_separable_gaits(separable):
+    assert separable.rand == 1.0 and separable.purity == 1.0
+    assert (separable.cluster == separable.gait).all()  # names too, not only the partition
+    assert separable.position.shape == (120, 2)
+
+
+def test_the_same_seed_gives_the_same_picture(separable):
+    generator = np.random.default_rng(0)
+    feature, gait = sample_transitions(clip_features(generator), 30, generator)
+    np.testing.assert_array_equal(compute_clusters(feature, gait, seed=0).position, separable.position)
+
+
+def test_labels_without_structure_score_like_chance():
+    generator = np.random.default_rng(1)
+    gait = np.repeat(["trot", "pace", "bound", "pronk"], 40)
+    clusters = compute_clusters(generator.normal(size=(160, 8)), gait, seed=0)
+    assert abs(clusters.rand) < 0.1
+    assert clusters.purity < 0.5
+
+
+def test_purity_and_rand_by_hand():
+    # Two tight groups; one trot of four lies among the paces: 7 of 8 points share their cluster's gait.
+    feature = np.array([[x, 0.0] for x in (0.0, 0.1, 0.2, 9.9, 10.0, 10.1, 10.2, 10.3)])
+    gait = np.array(["trot"] * 4 + ["pace"] * 4)
+    clusters = compute_clusters(feature, gait, seed=0)
+    assert clusters.purity == pytest.approx(7 / 8)
+    # Pairs together in both: C(3,2) + C(4,2) = 9; in truth 12, in clusters C(3,2) + C(5,2) = 13, of 28:
+    # (9 - 12 * 13 / 28) / ((12 + 13) / 2 - 12 * 13 / 28).
+    assert clusters.rand == pytest.approx((9 - 156 / 28) / (12.5 - 156 / 28))
+    assert clusters.cluster.tolist() == ["trot"] * 3 + ["pace"] * 5
+
+
+def test_figure_is_written_with_its_scores(separable, tmp_path):
+    figure = draw_clusters(separable)
+    assert isinstance(figure, Figure)
+    assert any("adjusted Rand index 1.00, purity 100%" in axes.get_title() for axes in figure.axes)
+    assert save(figure, tmp_path / "new" / "clusters.png").stat().st_size > 10_000

@@ -1,0 +1,143 @@
+"""Reading a run folder: what is there arrives whole, what is not is named."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+
+from analysis.load import (
+    AnalysisError,
+    ClipFeatures,
+    NoLatentSpaceError,
+    clip_features,
+    first_touchdown,
+    gaits_of,
+    newest_run,
+    switching_sequence,
+)
+from camp.algo.models import SkillEmbedding
+from camp.algo.skill import SkillPrior
+from camp.data import Transition
+from camp.motion.clips import Clip, amp_state
+from camp.motion.gaits import GaitSchedule
+from tests.algo.synthetic import shipped_config
+from tests.analysis.synthetic import write_evaluation
+
+
+def expert_clip(steps: int) -> Clip:
+    """Random states with the contacts of a 2-Hz trot, (steps, ...)."""
+    rng = np.random.default_rng(0)
+
+    def rows(*shape: int) -> np.ndarray:
+        return rng.normal(size=(steps, *shape)).astype(np.float32)
+
+    return Clip(
+        dt=0.02,
+        gait="trot",
+        frequency_hz=2.0,
+        command=np.array([0.5, 0.0, 0.0], dtype=np.float32),
+        base_position=rows(3),
+        base_quaternion=np.tile(np.array([1, 0, 0, 0], dtype=np.float32), (steps, 1)),
+        joint_position=rows(12),
+        joint_velocity=rows(12),
+        base_linear_velocity=rows(3),
+        base_angular_velocity=rows(3),
+        foot_position=rows(4, 3),
+        foot_velocity=rows(4, 3),
+        foot_contact=GaitSchedule("trot", 2.0).contact(np.arange(steps) * 0.02),
+        joint_target=rows(12),
+        joint_target_applied=rows(12),
+        joint_torque=rows(12),
+    )
+
+
+def run_with(prior: SkillPrior | None, clips: list[Clip]) -> Any:
+    """The two fields of a trained run that the figures read."""
+    return SimpleNamespace(skill_prior=prior, clips=clips)
+
+
+def test_switching_sequence_arrives_whole(tmp_path):
+    sequence = switching_sequence(write_evaluation(tmp_path))
+    assert sequence.period_s == 0.02
+    assert sequence.skills == ("trot", "pace")
+    assert sequence.contact.shape == (100, 4) and sequence.contact.dtype == bool
+    assert [sequence.skills[i] for i in sequence.skill[[0, -1]]] == ["trot", "pace"]
+
+
+def test_missing_evaluation_names_the_remedy(tmp_path):
+    with pytest.raises(AnalysisError, match=r"eval\.npz' does not exist: run `python -m camp\.evaluate run="):
+        switching_sequence(tmp_path)
+
+
+def test_missing_array_is_named(tmp_path):
+    with pytest.raises(AnalysisError, match="skill_switch_contact"):
+        switching_sequence(write_evaluation(tmp_path, skill_switch_contact=None))
+
+
+def test_truncated_file_is_one_clear_line(tmp_path):
+    path = write_evaluation(tmp_path) / "eval.npz"
+    path.write_bytes(path.read_bytes()[:300])
+    with pytest.raises(AnalysisError, match="cannot be read") as error:
+        switching_sequence(tmp_path)
+    assert "\n" not in str(error.value)
+
+
+def test_pickled_objects_are_refused(tmp_path):
+    with pytest.raises(AnalysisError, match="cannot be read"):
+        switching_sequence(write_evaluation(tmp_path, skills=np.array(["trot", None], dtype=object)))
+
+
+def test_newest_run_is_the_last_evaluated(tmp_path):
+    for age, name in enumerate(["third", "second", "first"]):
+        folder = write_evaluation(tmp_path / "group" / name)
+        os.utime(folder / "eval.npz", (1000 - age, 1000 - age))
+    (tmp_path / "never_evaluated").mkdir()
+    assert newest_run(tmp_path).name == "third"
+
+
+def test_no_run_at_all_is_named(tmp_path):
+    with pytest.raises(AnalysisError, match=r"no eval\.npz below"):
+        newest_run(tmp_path)
+
+
+class TestClipFeatures:
+    @pytest.fixture
+    def prior(self):
+        weights = torch.Generator().manual_seed(0)
+        return SkillPrior(shipped_config().skill, SkillEmbedding(4, 8, weights), ("trot",) * 4, 43, weights)
+
+    def test_one_latent_vector_per_transition(self, prior):
+        clip = expert_clip(steps=60)
+        (found,) = clip_features(run_with(prior, [clip]))
+        assert found.feature.shape == (59, 8) and np.isfinite(found.feature).all()
+        assert (found.gait, found.frequency_hz, found.period_s) == ("trot", 2.0, 0.02)
+        assert found.touchdown == 25  # FL stands in rows 0-12, lands again after one stride of 25 rows
+        state = torch.from_numpy(amp_state(clip))
+        pair = Transition(torch.stack([state[7], state[8]])[None], torch.zeros(1, dtype=torch.int64))
+        np.testing.assert_allclose(found.feature[7], prior.predict(pair)[0].numpy(), atol=1e-5)
+
+    def test_clips_of_changing_command_are_left_out(self, prior):
+        changing = replace(expert_clip(steps=60), command=np.zeros((60, 3), dtype=np.float32))
+        assert len(clip_features(run_with(prior, [changing, expert_clip(steps=60)]))) == 1
+
+    def test_a_run_without_skill_discriminator_is_refused(self):
+        with pytest.raises(NoLatentSpaceError, match="no skill discriminator"):
+            clip_features(run_with(None, [expert_clip(steps=60)]))
+
+
+def test_gaits_keep_their_order_whatever_the_files_are_called():
+    clip = ClipFeatures("pronk", 2.0, np.zeros(3), np.zeros((9, 2)), 0, 0.02)
+    names = ["pronk", "amble", "pace", "trot", "pace"]
+    assert gaits_of([replace(clip, gait=name) for name in names]) == ["trot", "pace", "pronk", "amble"]
+
+
+def test_first_touchdown_is_a_landing_not_a_stance():
+    assert first_touchdown(np.array([True, True, False, False, True, True])) == 4
+    assert first_touchdown(np.array([False, True])) == 1
+    assert first_touchdown(np.array([True, True, False])) == 0

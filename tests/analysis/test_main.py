@@ -1,0 +1,59 @@
+"""The command line: three figures, or one line that says why not."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import analysis.__main__ as command
+from analysis.load import NoLatentSpaceError
+from tests.analysis.synthetic import clip_features, write_evaluation
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An evaluated run whose networks give the synthetic features."""
+    monkeypatch.setattr(command, "load_run", lambda folder: SimpleNamespace(folder=folder))
+    monkeypatch.setattr(
+        command.load, "clip_features", lambda run: clip_features(np.random.default_rng(0))[::2]
+    )
+    monkeypatch.setattr(command, "POINTS_PER_GAIT", 20)
+    return write_evaluation(tmp_path / "outputs" / "one")
+
+
+@pytest.mark.slow  # compiles tslearn's DTW
+def test_draws_three_figures_and_prints_their_paths(folder, capsys):
+    assert command.main([f"run={folder}"]) == 0
+    printed = capsys.readouterr().out.split()
+    assert printed == [str(folder / "figures" / name) for name in ("contacts.png", "clusters.png", "dtw.png")]
+    assert all(
+        (folder / "figures" / name).stat().st_size > 10_000
+        for name in ("contacts.png", "clusters.png", "dtw.png")
+    )
+
+
+def test_without_arguments_takes_the_newest_run(folder, monkeypatch):
+    monkeypatch.chdir(folder.parents[1])
+    assert command.run_folder([]).resolve() == folder.resolve()
+
+
+def test_a_run_without_a_skill_discriminator_keeps_its_contact_diagram(folder, monkeypatch, capsys):
+    def absent(run):
+        raise NoLatentSpaceError("the run has no skill discriminator")
+
+    monkeypatch.setattr(command.load, "clip_features", absent)
+    assert command.main([f"run={folder}"]) == 0
+    output = capsys.readouterr()
+    assert output.out.split() == [str(folder / "figures" / "contacts.png")]
+    assert "left out: the run has no skill discriminator" in output.err
+
+
+@pytest.mark.parametrize("arguments", [["folder"], ["run="], ["run=a", "run=b"], ["run=/no/such/folder"], []])
+def test_errors_are_one_line_and_code_two(arguments, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert command.main(arguments) == 2
+    output = capsys.readouterr()
+    assert output.out == ""
+    assert output.err.startswith("error: ") and output.err.count("\n") == 1

@@ -1,0 +1,172 @@
+"""The commands of the README as they are typed, and what goes wrong with them told in one line."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from camp.build import motion_folder
+from camp.cli import run_hydra
+from camp.compose import compose_config
+from camp.train import train
+
+TINY = ["sim.num_envs=8", "sim.threads=1", "run.rollout_steps=8", "motion.num_preloaded=400"]
+QUIET = "logger.wandb_mode=disabled"
+
+
+def command(*arguments: str) -> list[str]:
+    return [sys.executable, "-m", "camp.train", *arguments]
+
+
+def environment() -> dict[str, str]:
+    return {**os.environ, "OMP_NUM_THREADS": "1", "WANDB_SILENT": "true"}
+
+
+def runs_in(folder: Path) -> list[Path]:
+    return sorted(path.parent for path in (folder / "outputs").glob("2*/config.yaml"))
+
+
+def metrics_of(run: Path) -> list[dict]:
+    rows = [json.loads(line) for line in (run / "metrics.jsonl").read_text().splitlines()]
+    return [{key: value for key, value in row.items() if not key.startswith("time/")} for row in rows]
+
+
+def test_smoke_run_from_any_folder(tmp_path):
+    done = subprocess.run(
+        command("run=smoke", *TINY, QUIET), cwd=tmp_path, env=environment(), capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    (run,) = runs_in(tmp_path)
+    assert len(metrics_of(run)) == 5
+    assert (run / "versions.json").is_file() and list((run / "checkpoints").glob("*.pt"))
+    assert (tmp_path / "outputs" / "latest").resolve() == run.resolve()
+
+
+def test_three_seeds_of_an_ablation_are_three_runs_in_one_group(tmp_path):
+    arguments = ["+ablation=no_skill_disc", "-m", "seed=0,1,2", "run=smoke", "run.iterations=1", *TINY]
+    done = subprocess.run(command(*arguments), cwd=tmp_path, env=environment(), capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    runs = runs_in(tmp_path)
+    assert len(runs) == 3
+    assert [run.name.rsplit("-", 1)[1] for run in sorted(runs, key=lambda run: run.name[-1])] == ["seed0", "seed1", "seed2"]
+    assert len({(run / "wandb_id.txt").read_text() for run in runs}) == 3
+    assert all(list((run / "wandb").glob("offline-run-*")) for run in runs)
+    assert "wandb leet" in done.stdout and "wandb sync" in done.stdout
+    first, second, _ = (metrics_of(run) for run in runs)
+    assert first != second and not any(key.startswith("prior/skill") for key in first[0])
+
+
+@pytest.mark.parametrize("ablation", ["no_skill_obs", "no_conditioning", "amp_baseline"])
+def test_every_ablation_trains(ablation, tmp_path, capsys):
+    arguments = [f"+ablation={ablation}", "run=smoke", "run.iterations=1", *TINY, QUIET, f"output_dir={tmp_path}"]
+    assert run_hydra("train", train, arguments) == 0
+    assert len(list(tmp_path.glob(f"*-{ablation}-seed0/metrics.jsonl"))) == 1
+
+
+def error_line(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    """Run a command that must fail on its input; its one line."""
+    capsys.readouterr()
+    assert run_hydra("train", train, arguments) == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert len(lines) == 1, lines
+    return lines[0]
+
+
+@pytest.mark.parametrize(
+    ("argument", "words"),
+    [
+        ("+ablation=no_skil_disc", ("no_skil_disc", "no_skill_disc")),
+        ("run=smok", ("smok", "smoke")),
+        ("algo.stile.weight=1", ("algo.stile", "algo.style")),
+        ("sim.num_envs=none", ("sim.num_envs", "none")),
+        ("algo.ppo.clip=-1", ("algo.ppo.clip", "-1", "above 0")),
+        ("motion.skills=[trot,canter]", ("canter", "pronk")),
+        ("motion.folder=/nowhere/clips", ("/nowhere/clips", "camp.dataset")),
+        ("resume=/nowhere/run", ("/nowhere/run", "camp.train")),
+        ("device=cuda:99", ("cuda:99", "cpu")),
+    ],
+)
+def test_wrong_input_is_one_line_and_leaves_nothing(argument, words, tmp_path, capsys):
+    line = error_line(["run=smoke", *TINY, QUIET, f"output_dir={tmp_path}", argument], capsys)
+    for word in words:
+        assert word in line
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture
+def few_clips(tmp_path) -> Path:
+    """A folder with one clip of each gait."""
+    shipped, folder = motion_folder(compose_config()), tmp_path / "clips"
+    folder.mkdir()
+    for gait in ("trot", "pace", "bound", "pronk"):
+        source = next(shipped.glob(f"{gait}_*.npz"))
+        shutil.copy(source, folder / source.name)
+    return folder
+
+
+def with_clips(folder: Path, tmp_path: Path) -> list[str]:
+    return ["run=smoke", *TINY, QUIET, f"motion.folder={folder}", f"output_dir={tmp_path / 'out'}"]
+
+
+def test_a_skill_without_clips_names_the_skill(few_clips, tmp_path, capsys):
+    next(few_clips.glob("bound_*")).unlink()
+    line = error_line(with_clips(few_clips, tmp_path), capsys)
+    assert "bound" in line and "camp.dataset" in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_corrupt_clip_names_the_file(few_clips, tmp_path, capsys):
+    clip = next(few_clips.glob("pace_*"))
+    clip.write_bytes(clip.read_bytes()[:2000])
+    line = error_line(with_clips(few_clips, tmp_path), capsys)
+    assert clip.name in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_truncated_checkpoint_names_the_last_good_one(few_clips, tmp_path, capsys):
+    assert run_hydra("train", train, with_clips(few_clips, tmp_path)) == 0
+    run = (tmp_path / "out" / "latest").resolve()
+    before = (run / "metrics.jsonl").read_bytes()
+    good, bad = sorted((run / "checkpoints").glob("*.pt"))[-2:]
+    bad.write_bytes(bad.read_bytes()[:5000])
+    line = error_line([f"resume={run}"], capsys)
+    assert bad.name in line and good.name in line
+    assert (run / "metrics.jsonl").read_bytes() == before
+
+
+def wait_for_checkpoint(folder: Path, process: subprocess.Popen, iteration: int) -> Path:
+    deadline = time.monotonic() + 120
+    while time.monotonic() < deadline and process.poll() is None:
+        for run in runs_in(folder):
+            if list((run / "checkpoints").glob(f"checkpoint_*{iteration}.pt")):
+                return run
+        time.sleep(0.02)
+    pytest.fail(f"no checkpoint of iteration {iteration}; exit code {process.poll()}")
+
+
+LONG = ["run=smoke", *TINY, QUIET, "run.iterations=12", "run.checkpoint_every=1", "run.checkpoints_kept=20"]
+
+
+@pytest.mark.parametrize("stop", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+def test_a_stopped_run_continues_as_if_nothing_had_happened(stop, tmp_path):
+    straight, stopped = tmp_path / "straight", tmp_path / "stopped"
+    for folder in (straight, stopped):
+        folder.mkdir()
+    subprocess.run(command(*LONG), cwd=straight, env=environment(), check=True, capture_output=True)
+    process = subprocess.Popen(command(*LONG), cwd=stopped, env=environment(), stdout=subprocess.DEVNULL)
+    run = wait_for_checkpoint(stopped, process, 3)
+    process.send_signal(stop)
+    assert process.wait(timeout=60) != 0
+    assert len(metrics_of(run)) < 12, "stopped too late to tell anything"
+    resume = command(f"resume={run.relative_to(stopped)}")
+    subprocess.run(resume, cwd=stopped, env=environment(), check=True, capture_output=True)
+    (reference,) = runs_in(straight)
+    assert metrics_of(reference) == metrics_of(run)
