@@ -1,0 +1,70 @@
+"""`python -m analysis [run=<folder>]`: draw a run's three figures into <folder>/figures and print their
+paths."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from analysis import load
+from analysis.clusters import POINTS_PER_GAIT, compute_clusters, draw_clusters, sample_transitions
+from analysis.contacts import compute_diagram, draw_diagram
+from analysis.dtw import compute_distances, draw_distances
+from analysis.style import save
+from camp.build import load_run
+from camp.errors import CampError
+
+SEED = 0
+
+
+def draw_contacts(folder: Path) -> Path:
+    """Write contacts.png from the run folder's evaluation."""
+    diagram = compute_diagram(load.switching_sequence(folder))
+    return save(draw_diagram(diagram), folder / "figures" / "contacts.png")
+
+
+def draw_latent_space(folder: Path) -> list[Path]:
+    """Write clusters.png and dtw.png from the run's skill discriminator and expert clips."""
+    clips = load.clip_features(load_run(folder))
+    feature, gait = sample_transitions(clips, POINTS_PER_GAIT, np.random.default_rng(SEED))
+    return [
+        save(draw_clusters(compute_clusters(feature, gait, SEED)), folder / "figures" / "clusters.png"),
+        save(draw_distances(compute_distances(clips)), folder / "figures" / "dtw.png"),
+    ]
+
+
+def run_folder(arguments: list[str]) -> Path:
+    """The folder of `run=<folder>`, or the newest evaluated run below outputs/ without arguments."""
+    if not arguments:
+        return load.newest_run(Path("outputs"))
+    key, _, value = arguments[0].partition("=")
+    if len(arguments) > 1 or key != "run" or not value:
+        raise load.AnalysisError(
+            f"cannot use '{' '.join(arguments)}': call `python -m analysis run=<folder>`"
+        )
+    folder = Path(value)
+    if not folder.is_dir():
+        raise load.AnalysisError(f"run folder '{folder}' does not exist: pass one that camp.train wrote")
+    return folder
+
+
+def main(arguments: list[str]) -> int:
+    """Draw the figures; returns the exit code, 2 where a line on stderr says what is missing."""
+    try:
+        folder = run_folder(arguments)
+        print(draw_contacts(folder))
+        try:
+            for path in draw_latent_space(folder):
+                print(path)
+        except load.NoLatentSpaceError as absent:
+            print(f"clusters.png and dtw.png left out: {absent}", file=sys.stderr)
+    except CampError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(sys.argv[1:]))

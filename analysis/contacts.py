@@ -1,0 +1,108 @@
+"""Which feet stand while the robot switches through its skills? Paper, Fig. 6: foot-contact diagram."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from analysis.load import SwitchingSequence
+from analysis.style import BAND, GAIT_COLOURS, INK, new_figure, skill_colours, style
+from camp.metrics.gait import label_over_time
+
+FEET = ("FL", "FR", "RL", "RR")
+WINDOW_S = 1.0  # of the measured gait
+
+
+@dataclass(frozen=True)
+class Span:
+    """A stretch of time, s, that carries one name."""
+
+    start_s: float
+    end_s: float
+    name: str
+
+
+@dataclass(frozen=True)
+class ContactDiagram:
+    """stance: spans on the floor of FL, FR, RL, RR; commanded, measured: gaits, spans that fill the time."""
+
+    stance: tuple[list[Span], ...]
+    commanded: list[Span]
+    measured: list[Span]
+
+
+def spans(values: list[str], period_s: float) -> list[Span]:
+    """Runs of equal names, one name per control step."""
+    bounds = [0, *(i for i in range(1, len(values)) if values[i] != values[i - 1]), len(values)]
+    return [Span(a * period_s, b * period_s, values[a]) for a, b in pairwise(bounds) if b > a]
+
+
+def compute_diagram(sequence: SwitchingSequence) -> ContactDiagram:
+    """Turn rows of contacts into spans, and read the performed gait from a window centred on each step."""
+    return ContactDiagram(
+        stance=tuple(_stance(sequence.contact[:, foot], sequence.period_s) for foot in range(len(FEET))),
+        commanded=spans([sequence.skills[i] for i in sequence.skill], sequence.period_s),
+        measured=spans(label_over_time(sequence.contact, sequence.period_s, WINDOW_S), sequence.period_s),
+    )
+
+
+def draw_diagram(diagram: ContactDiagram) -> Figure:
+    """Stance bars of each foot over the commanded skill's shade; below, a strip with the measured gait."""
+    with style():
+        figure = new_figure(BAND)
+        feet, strip = figure.subplots(2, 1, sharex=True, height_ratios=(8, 1))
+        _draw_feet(feet, diagram)
+        _draw_measured(strip, diagram.measured)
+        strip.set_xlabel("time (s)")
+        feet.set_title(
+            "Feet on the floor while switching skills; below, the measured gait (grey: none)", pad=16
+        )
+    return figure
+
+
+def _draw_feet(axes: Axes, diagram: ContactDiagram) -> None:
+    colour = skill_colours([span.name for span in diagram.commanded])
+    for span in diagram.commanded:
+        axes.axvspan(span.start_s, span.end_s, color=colour[span.name], alpha=0.22, linewidth=0)
+        axes.text(
+            (span.start_s + span.end_s) / 2,
+            1.02,
+            span.name,
+            transform=axes.get_xaxis_transform(),
+            ha="center",
+            va="bottom",
+            fontweight="bold",
+            color=colour[span.name],
+        )
+    for span in diagram.commanded[1:]:
+        axes.axvline(span.start_s, color=INK, linewidth=0.6, linestyle=(0, (3, 2)))
+    for row, stance in enumerate(diagram.stance):
+        axes.broken_barh(
+            [(span.start_s, span.end_s - span.start_s) for span in stance],
+            (row - 0.3, 0.6),
+            facecolor=INK,
+            linewidth=0,
+        )
+    axes.set_yticks(range(len(FEET)), FEET)
+    axes.set_ylim(len(FEET) - 0.5, -0.5)
+    axes.set_xlim(0.0, diagram.commanded[-1].end_s)
+    axes.tick_params(axis="x", length=0, labelbottom=False)
+    axes.tick_params(axis="y", length=0)
+
+
+def _draw_measured(axes: Axes, measured: list[Span]) -> None:
+    for span in measured:
+        axes.axvspan(span.start_s, span.end_s, color=GAIT_COLOURS[span.name], linewidth=0)
+    axes.set_yticks([0.5], ["measured"])
+    axes.set_ylim(0, 1)
+    axes.tick_params(axis="y", length=0)
+
+
+def _stance(contact: NDArray[np.bool_], period_s: float) -> list[Span]:
+    names = np.where(contact, "stance", "swing").tolist()
+    return [span for span in spans(names, period_s) if span.name == "stance"]

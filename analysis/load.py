@@ -1,0 +1,130 @@
+"""What the figures read from a run folder: measured contacts and the skill discriminator's features."""
+
+from __future__ import annotations
+
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from camp.algo.skill import SkillPrior
+from camp.data import Transition
+from camp.errors import CampError
+from camp.motion.clips import Clip, amp_state
+from camp.motion.gaits import GAIT_PHASES
+
+if TYPE_CHECKING:  # camp.build imports the simulator, which figures drawn from arrays do not need
+    from camp.build import Run
+
+EVALUATION_FILE = "eval.npz"
+
+
+class AnalysisError(CampError):
+    """A run folder lacks what a figure is drawn from."""
+
+
+class NoLatentSpaceError(AnalysisError):
+    """The run is an ablation without a skill discriminator, so it has no latent space to draw."""
+
+
+@dataclass(frozen=True)
+class SwitchingSequence:
+    """The evaluation's roll-out through all skills, T control steps.
+
+    period_s: s; skills: names by label; contact: (T, 4) bool, FL, FR, RL, RR; skill: (T,) label commanded at
+    each step.
+    """
+
+    period_s: float
+    skills: tuple[str, ...]
+    contact: NDArray[np.bool_]
+    skill: NDArray[np.integer]
+
+
+@dataclass(frozen=True)
+class ClipFeatures:
+    """One expert clip of constant command as the skill discriminator sees it.
+
+    command: (3,) vx, vy in m/s, wz in rad/s; feature: (T - 1, Z), z_hat of every transition (paper eq. 5);
+    touchdown: row of the first touchdown of the front left foot, where its strides begin; period_s: s between
+    rows.
+    """
+
+    gait: str
+    frequency_hz: float
+    command: NDArray[np.floating]
+    feature: NDArray[np.floating]
+    touchdown: int
+    period_s: float
+
+
+def newest_run(outputs: Path) -> Path:
+    """The folder below `outputs` whose evaluation was written last; AnalysisError where there is none."""
+    found = sorted(outputs.glob(f"**/{EVALUATION_FILE}"), key=lambda path: path.stat().st_mtime)
+    if not found:
+        raise AnalysisError(
+            f"no {EVALUATION_FILE} below '{outputs}': run `python -m camp.evaluate run=<folder>` first"
+        )
+    return found[-1].parent
+
+
+def switching_sequence(folder: Path) -> SwitchingSequence:
+    """Read the switching roll-out from a run folder's eval.npz; AnalysisError where missing or broken."""
+    path = folder / EVALUATION_FILE
+    remedy = f"run `python -m camp.evaluate run={folder}`"
+    if not path.is_file():
+        raise AnalysisError(f"'{path}' does not exist: {remedy} first")
+    try:
+        with np.load(path, allow_pickle=False) as arrays:
+            return SwitchingSequence(
+                period_s=float(arrays["period"]),
+                skills=tuple(str(name) for name in arrays["skills"]),
+                contact=arrays["skill_switch_contact"].astype(bool),
+                skill=arrays["skill_switch_skill"].astype(int),
+            )
+    except KeyError as error:
+        raise AnalysisError(f"'{path}' has no array {error}: {remedy} again") from error
+    except (ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
+        raise AnalysisError(f"'{path}' cannot be read ({error}): {remedy} again") from error
+
+
+def clip_features(run: Run) -> list[ClipFeatures]:
+    """Skill-discriminator features of the run's expert clips, without those whose command changes on the way.
+
+    The only place where the figures touch the networks. Raises NoLatentSpaceError for a run without one.
+    """
+    if run.skill_prior is None:
+        raise NoLatentSpaceError(
+            "the run has no skill discriminator and so no latent space: choose a run trained with one"
+        )
+    return [_features(run.skill_prior, clip) for clip in run.clips if clip.is_steady]
+
+
+def _features(prior: SkillPrior, clip: Clip) -> ClipFeatures:
+    state = torch.from_numpy(amp_state(clip)).to(prior.embedding.weight.device)
+    pairs = torch.stack([state[:-1], state[1:]], dim=1)
+    unread = torch.zeros(len(pairs), dtype=torch.int64, device=pairs.device)
+    return ClipFeatures(
+        gait=clip.gait,
+        frequency_hz=clip.frequency_hz,
+        command=np.asarray(clip.command, dtype=np.float64),
+        feature=prior.predict(Transition(state=pairs, skill=unread)).cpu().numpy(),
+        touchdown=first_touchdown(clip.foot_contact[:, 0]),
+        period_s=clip.dt,
+    )
+
+
+def gaits_of(clips: list[ClipFeatures]) -> list[str]:
+    """Names of the gaits that occur, in the order of GAIT_PHASES, others behind."""
+    found = dict.fromkeys(clip.gait for clip in clips)
+    return sorted(found, key=lambda gait: [*GAIT_PHASES, gait].index(gait))
+
+
+def first_touchdown(contact: NDArray[np.bool_]) -> int:
+    """First row at which one foot's contact (T,) begins; 0 where it never does."""
+    begins = np.flatnonzero(contact[1:] & ~contact[:-1])
+    return int(begins[0]) + 1 if len(begins) else 0

@@ -1,0 +1,78 @@
+"""One look for every figure: sizes in inches, one colour-blind-safe colour per gait, no global matplotlib
+state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from camp.metrics.gait import NO_GAIT
+
+WIDE = (7.2, 3.4)  # inches, across a page's two columns
+SQUARE = (5.6, 5.0)
+BAND = (7.2, 2.7)
+DPI = 200
+INK = "#222222"
+
+# Okabe & Ito (2008), chosen to stay apart under the common colour-vision deficiencies.
+GAIT_COLOURS = {
+    "trot": "#0072B2",
+    "pace": "#E69F00",
+    "bound": "#009E73",
+    "pronk": "#CC79A7",
+    NO_GAIT: "#BBBBBB",
+}
+_OTHER_COLOURS = ("#D55E00", "#56B4E9", "#F0E442", "#000000")
+
+_RC: dict[Any, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 8.0,
+    "axes.titlesize": 9.0,
+    "axes.labelsize": 8.0,
+    "axes.edgecolor": INK,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.labelsize": 7.5,
+    "ytick.labelsize": 7.5,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "savefig.dpi": DPI,
+}
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """Everything drawn inside has the project's look; matplotlib's settings are as before afterwards."""
+    with mpl.rc_context(_RC):
+        yield
+
+
+def new_figure(size: tuple[float, float]) -> Figure:
+    """An empty figure on the Agg backend, laid out so that labels never overlap; size (width, height) in
+    inches."""
+    figure = Figure(figsize=size, layout="constrained", dpi=DPI)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def skill_colours(skills: list[str]) -> dict[str, str]:
+    """Colour of each name: a gait's own, also for labels such as trot_2Hz; further names take spare
+    colours."""
+    spare = iter(_OTHER_COLOURS * (1 + len(skills) // len(_OTHER_COLOURS)))
+    return {name: GAIT_COLOURS.get(name.split("_")[0]) or next(spare) for name in skills}
+
+
+def save(figure: Figure, path: Path) -> Path:
+    """Write a PNG, creating its folder; returns the path."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, format="png", dpi=DPI)
+    return path
