@@ -24,7 +24,7 @@ from camp.motion.requests import ClipRequest, perturbed_requests, shipped_reques
 from camp.motion.validate import check_clip
 from camp.paths import assets_root
 
-TABLE_WIDTH = 170  # characters, where the output is not a terminal
+TABLE_WIDTH = 220  # characters, where the output is not a terminal
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
