@@ -41,9 +41,7 @@ def run_folder(arguments: list[str]) -> Path:
         return load.newest_run(Path("outputs"))
     key, _, value = arguments[0].partition("=")
     if len(arguments) > 1 or key != "run" or not value:
-        raise load.AnalysisError(
-            f"cannot use '{' '.join(arguments)}': call `python -m analysis run=<folder>`"
-        )
+        raise load.AnalysisError(f"cannot use '{' '.join(arguments)}': call `python -m analysis run=<folder>`")
     folder = Path(value)
     if not folder.is_dir():
         raise load.AnalysisError(f"run folder '{folder}' does not exist: pass one that camp.train wrote")

@@ -59,9 +59,7 @@ def draw_diagram(diagram: ContactDiagram) -> Figure:
         _draw_feet(feet, diagram)
         _draw_measured(strip, diagram.measured)
         strip.set_xlabel("time (s)")
-        feet.set_title(
-            "Feet on the floor while switching skills; below, the measured gait (grey: none)", pad=16
-        )
+        feet.set_title("Feet on the floor while switching skills; below, the measured gait (grey: none)", pad=16)
     return figure
 
 

@@ -88,9 +88,7 @@ def draw_distances(distances: LatentDistances) -> Figure:
         dark = 0.6 * np.nanmax(distances.distance)  # up to here white is the more legible ink
         for (i, j), value in np.ndenumerate(distances.distance):
             text = "-" if np.isnan(value) else f"{value:.3g}"
-            axes.text(
-                j, i, text, ha="center", va="center", fontsize=6.5, color="white" if value < dark else INK
-            )
+            axes.text(j, i, text, ha="center", va="center", fontsize=6.5, color="white" if value < dark else INK)
         figure.colorbar(image, ax=axes, shrink=0.8, label="mean DTW distance over matched commands")
         axes.set_title("Distance between gaits in the latent skill space (darker is nearer)")
     return figure

@@ -66,9 +66,7 @@ def newest_run(outputs: Path) -> Path:
     """The folder below `outputs` whose evaluation was written last; AnalysisError where there is none."""
     found = sorted(outputs.glob(f"**/{EVALUATION_FILE}"), key=lambda path: path.stat().st_mtime)
     if not found:
-        raise AnalysisError(
-            f"no {EVALUATION_FILE} below '{outputs}': run `python -m camp.evaluate run=<folder>` first"
-        )
+        raise AnalysisError(f"no {EVALUATION_FILE} below '{outputs}': run `python -m camp.evaluate run=<folder>` first")
     return found[-1].parent
 
 

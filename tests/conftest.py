@@ -6,9 +6,9 @@ import pytest
 import torch
 
 from camp.build import motion_folder
+from camp.compose import compose_config
 from camp.config import Config
 from camp.motion.clips import Clip, load_clips
-from camp.compose import compose_config
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -66,9 +66,7 @@ def test_round_trip_of_a_model_and_its_optimizer(tmp_path):
     for key, value in model.state_dict().items():
         assert torch.equal(loaded["model"][key], value)
     torch.optim.Adam(model.parameters()).load_state_dict(loaded["optimizer"])
-    assert torch.equal(
-        loaded["optimizer"]["state"][0]["exp_avg"], optimizer.state_dict()["state"][0]["exp_avg"]
-    )
+    assert torch.equal(loaded["optimizer"]["state"][0]["exp_avg"], optimizer.state_dict()["state"][0]["exp_avg"])
 
 
 @pytest.mark.parametrize("value", [np.float64(1), np.zeros(2), Path("x"), object(), {1, 2}, torch.float32])

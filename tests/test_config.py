@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from camp.compose import compose_config
 from camp.config import learner_device, resolve
 from camp.errors import ConfigError
 from camp.paths import ablation_root, config_root
-from camp.compose import compose_config
 
 PRESETS = sorted(path.stem for path in (config_root() / "run").glob("*.yaml"))
 ABLATIONS = sorted(path.stem for path in (ablation_root() / "ablation").glob("*.yaml"))
@@ -23,7 +23,9 @@ def test_every_ablation_changes_the_variant_and_little_else(ablation):
     changed = compose_config([f"+ablation={ablation}"])
     assert changed.variant == ablation
     plain = compose_config([])
-    differing = [name for name in ("sim", "robot", "motion", "run", "logger") if getattr(changed, name) != getattr(plain, name)]
+    differing = [
+        name for name in ("sim", "robot", "motion", "run", "logger") if getattr(changed, name) != getattr(plain, name)
+    ]
     assert differing == []
     assert (changed.env, changed.algo) != (plain.env, plain.algo)
 

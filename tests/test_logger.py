@@ -161,9 +161,7 @@ def test_group_tags_and_config_reach_wandb(tmp_path):
 
 def test_resumed_run_continues_the_same_wandb_id(tmp_path):
     log_until(tmp_path / "run", 3, OFFLINE)
-    with RunLogger(
-        identity(tmp_path / "run"), OFFLINE, CONFIG, resume_from=2, announce=lambda _: None
-    ) as record:
+    with RunLogger(identity(tmp_path / "run"), OFFLINE, CONFIG, resume_from=2, announce=lambda _: None) as record:
         record.log(3, {"ppo/kl": 0.5})
     files = list((tmp_path / "run" / "wandb").glob("offline-run-*/run-*.wandb"))
     assert len(files) == 2  # offline, a resumed run is a second file of the same id

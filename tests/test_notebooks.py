@@ -28,7 +28,5 @@ def test_tour_runs_and_draws_two_figures():
     NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(FOLDER)}}).execute()
     images = [o for cell in code_cells(notebook) for o in cell.outputs if "image/png" in o.get("data", {})]
     assert len(images) == 2
-    printed = "".join(
-        o.text for cell in code_cells(notebook) for o in cell.outputs if o.output_type == "stream"
-    )
+    printed = "".join(o.text for cell in code_cells(notebook) for o in cell.outputs if o.output_type == "stream")
     assert "measured: trot at 2.0" in printed

@@ -61,9 +61,7 @@ def test_constraints_pin_exactly_and_name_no_place():
 
 @pytest.mark.parametrize("extra", sorted(LISTS))
 def test_every_dependency_is_pinned_to_a_version_it_allows(extra):
-    pins = {
-        canonicalize_name(name): version for name, version in (line.split("==") for line in constraints())
-    }
+    pins = {canonicalize_name(name): version for name, version in (line.split("==") for line in constraints())}
     for requirement in map(Requirement, LISTS[extra]):
         assert requirement.specifier.contains(pins[canonicalize_name(requirement.name)], prereleases=True)
 

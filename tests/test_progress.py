@@ -45,7 +45,7 @@ def test_lines_off_a_terminal():
     assert [line.split()[1] for line in lines] == ["1/25", "10/25", "20/25", "25/25"]
     # 2 seconds for 1000 steps; 15 iterations are left after the tenth.
     assert lines[1].startswith("iteration 10/25  500 steps/s  0:00:30 left  ")
-    for part in ("task/raw=0.5", "trot/accuracy=1", "kl=0.0123", "learning_rate=1.0e-05"):
+    for part in ("task=0.5", "trot=1", "kl=0.0123", "learning_rate=1.0e-05"):
         assert part in lines[1]
     assert "physics" not in lines[1]
 
@@ -54,7 +54,7 @@ def test_table_on_a_terminal(monkeypatch):
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.delenv("NO_COLOR", raising=False)
     shown = show(Terminal(), 2)
-    for part in ("iteration 2/2", "500 steps/s", "gait accuracy", "trot/accuracy 1", "policy"):
+    for part in ("iteration 2/2", "500 steps/s", "gait accuracy", "trot 1", "policy"):
         assert part in shown
 
 

@@ -27,9 +27,11 @@ def run_for(config: Config, folder: Path, checkpoint: dict | None = None, stop_a
     else:
         runner.load_state_dict(checkpoint)
     resume_from = None if checkpoint is None else runner.iteration
-    with RunLogger(RunIdentity(folder, "test"), config.logger, as_yaml(config), resume_from) as logger:
-        with Progress(config.run.iterations, 1, stream=io.StringIO()) as progress:
-            runner.train(logger, progress, lambda: stop_after is not None and runner.iteration >= stop_after)
+    with (
+        RunLogger(RunIdentity(folder, "test"), config.logger, as_yaml(config), resume_from) as logger,
+        Progress(config.run.iterations, 1, stream=io.StringIO()) as progress,
+    ):
+        runner.train(logger, progress, lambda: stop_after is not None and runner.iteration >= stop_after)
     training.env.close()
     return runner
 

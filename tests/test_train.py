@@ -56,7 +56,11 @@ def test_three_seeds_of_an_ablation_are_three_runs_in_one_group(tmp_path):
     assert done.returncode == 0, done.stderr
     runs = runs_in(tmp_path)
     assert len(runs) == 3
-    assert [run.name.rsplit("-", 1)[1] for run in sorted(runs, key=lambda run: run.name[-1])] == ["seed0", "seed1", "seed2"]
+    assert [run.name.rsplit("-", 1)[1] for run in sorted(runs, key=lambda run: run.name[-1])] == [
+        "seed0",
+        "seed1",
+        "seed2",
+    ]
     assert len({(run / "wandb_id.txt").read_text() for run in runs}) == 3
     assert all(list((run / "wandb").glob("offline-run-*")) for run in runs)
     assert "wandb leet" in done.stdout and "wandb sync" in done.stdout
@@ -66,7 +70,14 @@ def test_three_seeds_of_an_ablation_are_three_runs_in_one_group(tmp_path):
 
 @pytest.mark.parametrize("ablation", ["no_skill_obs", "no_conditioning", "amp_baseline"])
 def test_every_ablation_trains(ablation, tmp_path, capsys):
-    arguments = [f"+ablation={ablation}", "run=smoke", "run.iterations=1", *TINY, QUIET, f"output_dir={tmp_path}"]
+    arguments = [
+        f"+ablation={ablation}",
+        "run=smoke",
+        "run.iterations=1",
+        *TINY,
+        QUIET,
+        f"output_dir={tmp_path}",
+    ]
     assert run_hydra("train", train, arguments) == 0
     assert len(list(tmp_path.glob(f"*-{ablation}-seed0/metrics.jsonl"))) == 1
 

@@ -65,7 +65,9 @@ def bench(composed: DictConfig) -> None:
     config = resolve(composed)
     set_threads(config.sim.threads)
     versions = collect_versions()
-    print(f"{versions['platform']}, {os.cpu_count()} processors, mujoco {mujoco.__version__}, torch {torch.__version__}")
+    print(
+        f"{versions['platform']}, {os.cpu_count()} processors, mujoco {mujoco.__version__}, torch {torch.__version__}"
+    )
     training = build_training(config)
     training.env.reset()
     _print_stepping(_stepping(training.env, config))

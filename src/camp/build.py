@@ -90,7 +90,11 @@ def build_training(config: Config) -> Training:
     embedding = SkillEmbedding(len(config.motion.skills), config.algo.embedding_size, weights).to(device)
     return Training(
         env=build_env(config, clips),
-        ppo=PPO(build_actor(config, weights).to(device), _build_critic(config, weights).to(device), config.algo.ppo),
+        ppo=PPO(
+            build_actor(config, weights).to(device),
+            _build_critic(config, weights).to(device),
+            config.algo.ppo,
+        ),
         priors=_build_priors(config, embedding, weights),
         demonstrations=Demonstrations(
             clips,

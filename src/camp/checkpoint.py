@@ -54,8 +54,7 @@ def save_checkpoint(path: Path, state: Mapping[str, Any]) -> Path:
         _sync_folder(path.parent)
     except (OSError, RuntimeError) as error:  # torch reports a full disk as RuntimeError
         raise CheckpointError(
-            f"checkpoint {path}: could not be written ({_first_line(error)}); "
-            "free some space or choose another folder"
+            f"checkpoint {path}: could not be written ({_first_line(error)}); free some space or choose another folder"
         ) from error
     finally:
         partial.unlink(missing_ok=True)
@@ -154,9 +153,7 @@ def _check_plain(value: Any, where: str) -> None:
         for index, item in enumerate(value):
             _check_plain(item, f"{where}[{index}]")
     elif not (value is None or isinstance(value, Tensor) or type(value) in (bool, int, float, str)):
-        raise TypeError(
-            f"{where} is a {type(value).__name__}: a checkpoint holds only tensors and plain values"
-        )
+        raise TypeError(f"{where} is a {type(value).__name__}: a checkpoint holds only tensors and plain values")
 
 
 def _sync_folder(folder: Path) -> None:

@@ -30,6 +30,14 @@ def share(key: str, value: float) -> None:
     require(0.0 <= value <= 1.0, key, value, "choose a share in [0, 1]")
 
 
+def share_below_one(key: str, value: float) -> None:
+    require(0.0 <= value < 1.0, key, value, "choose a share in [0, 1)")
+
+
+def layers(key: str, sizes: Sequence[int]) -> None:
+    require(len(sizes) > 0 and all(s >= 1 for s in sizes), key, list(sizes), "list one or more layer sizes >= 1")
+
+
 def count(key: str, value: int) -> None:
     require(value >= 1, key, value, "choose a whole number of 1 or more")
 

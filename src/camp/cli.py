@@ -80,9 +80,7 @@ def new_run_folder(root: Path, name: str) -> Path:
                 _point(root / "latest", folder)
                 return folder
     except OSError as error:
-        raise ConfigError(
-            f"output folder {root}: {error.strerror or error}; choose one that can be written"
-        ) from error
+        raise ConfigError(f"output folder {root}: {error.strerror or error}; choose one that can be written") from error
     raise ConfigError(f"output folder {root}: already holds 999 runs {stem}; choose another name")
 
 

@@ -91,7 +91,10 @@ class RunConfig:
             checks.count(f"run.{name}", getattr(self, name))
         checks.not_negative("run.critic_warmup", self.critic_warmup)
         checks.require(
-            self.gait_window_s >= 1.0, "run.gait_window_s", self.gait_window_s, "choose 1 s or more: two slow strides"
+            self.gait_window_s >= 1.0,
+            "run.gait_window_s",
+            self.gait_window_s,
+            "choose 1 s or more: two slow strides",
         )
 
 

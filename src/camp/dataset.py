@@ -55,9 +55,7 @@ def generate(requests: Sequence[ClipRequest], options: argparse.Namespace) -> in
                 progress.console.print(f"left out: {outcome.request.name}: {outcome.message}", soft_wrap=True)
             progress.update(task, advance=1, description=outcome.request.name)
     size = sum(path.stat().st_size for path in options.folder.glob("*.npz")) / 1e6
-    print(
-        f"{options.folder}: " + ", ".join(f"{n} {status}" for status, n in count.items()) + f", {size:.1f} MB"
-    )
+    print(f"{options.folder}: " + ", ".join(f"{n} {status}" for status, n in count.items()) + f", {size:.1f} MB")
     return count["failed"]
 
 
@@ -89,9 +87,7 @@ def _parser() -> argparse.ArgumentParser:
     check = commands.add_parser("validate", help="check the clips of a folder")
     check.add_argument("folder", type=Path, nargs="?", default=shipped)
     check.set_defaults(command="validate")
-    perturbed = commands.add_parser(
-        "perturbed", help="generate clips with noisy targets and corrective labels"
-    )
+    perturbed = commands.add_parser("perturbed", help="generate clips with noisy targets and corrective labels")
     perturbed.add_argument("--count", type=int, default=150, help="number of clips to try (some robots fall)")
     perturbed.add_argument("--seed", type=int, default=0, help="of commands and noise")
     _add_generation(perturbed, Path("outputs/motions/perturbed"))
@@ -100,9 +96,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _add_generation(parser: argparse.ArgumentParser, folder: Path) -> None:
-    parser.add_argument(
-        "--folder", type=Path, default=folder, help="where the clips go (default: %(default)s)"
-    )
+    parser.add_argument("--folder", type=Path, default=folder, help="where the clips go (default: %(default)s)")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes")
     parser.add_argument("--overwrite", action="store_true", help="generate also what is there already")
 

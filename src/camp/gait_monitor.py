@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import torch
-from torch import Tensor
 
 from camp.data import Step
 from camp.metrics.gait import measure_gait

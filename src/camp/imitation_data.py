@@ -20,17 +20,20 @@ from camp.sim.base import Dynamics
 def imitation_data(clips: Sequence[Clip], config: Config, device: torch.device) -> ImitationData:
     """Every row but the first of each clip: what the policy would have observed, and the expert's answer to it.
 
-    The first row is left out because the action before it is not known. Rows carry no sensor noise.
+    The first row is left out because the action before it is not known. The sensors' noise is left to the training, which draws it
+    anew for every minibatch.
     """
     skills = list(config.motion.skills)
     entries = observations.actor_entries(len(skills))
     situations = [_situation(clip, skills.index(clip.gait), len(skills), config) for clip in clips]
     observation = torch.cat([observations.observe(entries, situation) for situation in situations])
+    noise = config.env.noise
     answer = _rows(np.concatenate([clip.joint_target[1:] for clip in clips]))
     return ImitationData(
         observation=observation.to(device),
         action=_as_action(answer, config.robot.action_scale).to(device),
         last_action=observations.position(entries, "last_action"),
+        sensor_noise=(observations.noise_width(entries, noise) * noise.enabled).to(device),
     )
 
 

@@ -39,9 +39,7 @@ class LoggerConfig:
             modes = ", ".join(WANDB_MODES)
             raise ConfigError(f"logger.wandb_mode {self.wandb_mode!r}: choose one of {modes}")
         if not self.wandb_project or set(self.wandb_project) & set("/\\#?%:"):
-            raise ConfigError(
-                f"logger.wandb_project {self.wandb_project!r}: write a name without any of / \\ # ? % :"
-            )
+            raise ConfigError(f"logger.wandb_project {self.wandb_project!r}: write a name without any of / \\ # ? % :")
 
 
 @dataclass
@@ -151,9 +149,7 @@ def write_text(path: Path, text: str) -> None:
         partial.write_text(text, encoding="utf-8")
         partial.replace(path)
     except OSError as error:
-        raise ConfigError(
-            f"file {path}: {error.strerror or error}; choose a folder that can be written"
-        ) from error
+        raise ConfigError(f"file {path}: {error.strerror or error}; choose a folder that can be written") from error
     finally:
         partial.unlink(missing_ok=True)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import sys
 import time
 from collections.abc import Callable, Mapping
@@ -13,8 +14,16 @@ from rich.console import Console
 from rich.live import Live
 from rich.table import Table
 
-#: The rows, by the beginning of the metric keys they hold, in order of display.
-SECTIONS = {"reward": "reward/", "gait accuracy": "gait/", "prior": "prior/", "policy": "ppo/"}
+#: The rows in order of display: which metric keys each holds, and in group 1 what is shown of the key. The rest is in
+#: metrics.jsonl and W&B.
+SECTIONS = {
+    "reward": re.compile(r"reward/(\w+)/raw"),
+    "error": re.compile(r"tracking/(\w+)"),
+    "gait accuracy": re.compile(r"gait/(\w+)(?:/accuracy)?"),
+    "prior": re.compile(r"prior/(\w+/(?:accuracy|\w+_logit))"),
+    "policy": re.compile(r"ppo/(kl|std|learning_rate)"),
+    "episodes": re.compile(r"env/(falls_per_1000_steps)"),
+}
 _RATE_SMOOTHING = 0.9
 
 
@@ -78,9 +87,7 @@ class Progress:
         return f"iteration {iteration}/{self.total}  {rate} steps/s  {left} left"
 
     def _line(self, iteration: int, metrics: Mapping[str, float]) -> str:
-        parts = [
-            f"{key}={_short(value)}" for section in _sections(metrics).values() for key, value in section
-        ]
+        parts = [f"{key}={_short(value)}" for section in _sections(metrics).values() for key, value in section]
         return "  ".join([self._headline(iteration), *parts])
 
     def _table(self, iteration: int, metrics: Mapping[str, float]) -> Table:
@@ -91,10 +98,10 @@ class Progress:
 
 
 def _sections(metrics: Mapping[str, float]) -> dict[str, list[tuple[str, float]]]:
-    """The metrics of each section that has any, keys without the section's beginning."""
+    """The metrics of each section that has any."""
     found = {
-        name: [(key.removeprefix(start), value) for key, value in metrics.items() if key.startswith(start)]
-        for name, start in SECTIONS.items()
+        name: [(match[1], value) for key, value in metrics.items() if (match := pattern.fullmatch(key))]
+        for name, pattern in SECTIONS.items()
     }
     return {name: section for name, section in found.items() if section}
 

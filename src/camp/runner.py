@@ -28,7 +28,11 @@ class Runner:
         self.training, self.config, self.folder = training, config, folder
         env = training.env
         self.monitor = GaitMonitor(
-            config.motion.skills, env.num_envs, config.run.gait_window_s, env.sim.control_period, env.sim.device
+            config.motion.skills,
+            env.num_envs,
+            config.run.gait_window_s,
+            env.sim.control_period,
+            env.sim.device,
         )
         self.collector = Collector(env, training.ppo, self.monitor, training.device)
         self.iteration = 0  # completed ones
@@ -63,7 +67,13 @@ class Runner:
         reward = mix_rewards(terms, weights)
         ppo = self.config.algo.ppo
         advantage, return_ = gae(
-            reward, rollout.value, rollout.next_value, rollout.terminated, rollout.truncated, ppo.discount, ppo.trace
+            reward,
+            rollout.value,
+            rollout.next_value,
+            rollout.terminated,
+            rollout.truncated,
+            ppo.discount,
+            ppo.trace,
         )
         scored = time.perf_counter()
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import gymnasium as gym
 import numpy as np
@@ -26,7 +26,7 @@ class Go2Env(gym.Env):
         overrides: of conf/train.yaml, such as ``["env.episode_s=5", "motion.skills=[trot]"]``.
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 50}
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 50}
 
     def __init__(self, render_mode: str | None = None, overrides: tuple[str, ...] | list[str] = ()):
         if render_mode not in (None, *self.metadata["render_modes"]):
@@ -53,7 +53,13 @@ class Go2Env(gym.Env):
             "skill": int(result.skill[0]),
         }
         observation = result.final_observation[0].numpy(force=True)
-        return observation, float(result.task_reward[0]), bool(result.terminated[0]), bool(result.truncated[0]), info
+        return (
+            observation,
+            float(result.task_reward[0]),
+            bool(result.terminated[0]),
+            bool(result.truncated[0]),
+            info,
+        )
 
     def render(self) -> np.ndarray | None:
         if self.render_mode is None:

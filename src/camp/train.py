@@ -61,9 +61,12 @@ def _run(runner: Runner, config: Config, resume_from: int | None) -> None:
     steps = config.run.rollout_steps * config.sim.num_envs
     print(f"run folder: {runner.folder}", flush=True)
     print(f"preloaded transitions: {_preloaded(runner.training)}", flush=True)
-    with RunLogger(identity, config.logger, as_yaml(config), resume_from) as logger:
-        with Progress(config.run.iterations, steps) as progress, _stop_signals() as stopping:
-            runner.train(logger, progress, lambda: bool(stopping))
+    with (
+        RunLogger(identity, config.logger, as_yaml(config), resume_from) as logger,
+        Progress(config.run.iterations, steps) as progress,
+        _stop_signals() as stopping,
+    ):
+        runner.train(logger, progress, lambda: bool(stopping))
     if stopping:
         print(f"stopped at iteration {runner.iteration}; continue with: python -m camp.train resume={runner.folder}")
         raise KeyboardInterrupt

@@ -32,9 +32,7 @@ def warm_start(training: Training, config: Config) -> dict[str, float]:
     clips = [*training.clips, *perturbed_clips(config)]
     data = imitation_data(clips, config, training.device)
     steps = imitate(training.ppo.actor, data, imitation, generator(config.seed, "imitation", training.device))
-    metrics: dict[str, float] = {}
-    for metrics in track(steps, "imitating the expert", total=imitation.epochs):
-        pass
+    metrics = list(track(steps, "imitating the expert", total=imitation.epochs))[-1]
     print(f"imitation: {len(data.observation):,} pairs, loss {metrics['imitation/loss']:.4f}", flush=True)
     return metrics
 

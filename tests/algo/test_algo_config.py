@@ -77,6 +77,4 @@ def test_wrong_labels_need_conditioning():
 @pytest.mark.parametrize("override", ["ppo.discuont=0.9", "ppo.epochs=many", "style.enabled=maybe"])
 def test_unknown_keys_and_wrong_types_fail(override: str):
     with pytest.raises(OmegaConfBaseException):
-        OmegaConf.merge(
-            OmegaConf.structured(AlgoConfig), OmegaConf.load(CONF), OmegaConf.from_dotlist([override])
-        )
+        OmegaConf.merge(OmegaConf.structured(AlgoConfig), OmegaConf.load(CONF), OmegaConf.from_dotlist([override]))

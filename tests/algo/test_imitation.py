@@ -23,7 +23,7 @@ def linear_data(last_action: slice = slice(4, 6)) -> ImitationData:
     """Actions are linear in the first four inputs, which are far from standardized."""
     observation = torch.randn(2000, 6, generator=rng(1)) * torch.tensor([0.1, 10.0, 1.0, 1.0, 1.0, 1.0]) + 3.0
     weight = torch.tensor([[5.0, 0.05, 0.0, 0.3], [0.0, 0.1, 0.5, 0.0]])
-    return ImitationData(observation, (observation[:, :4] - 3.0) @ weight.T, last_action)
+    return ImitationData(observation, (observation[:, :4] - 3.0) @ weight.T, last_action, torch.zeros(6))
 
 
 def test_fits_a_linear_map():
@@ -59,6 +59,20 @@ def test_noise_on_the_last_action_keeps_the_policy_from_copying_it():
     assert gain[1] < 0.25 * gain[0]
 
 
+def test_a_noisy_sensor_is_trusted_less():
+    gain = []
+    for noise in (0.0, 3.0):
+        data = linear_data()
+        data.observation[:, 3] = data.observation[:, 2]  # two sensors that say the same, one of them noisy
+        data.sensor_noise[3] = noise
+        actor = make_actor()
+        list(imitate(actor, data, CONFIG, rng(2)))
+        shifted = data.observation.clone()
+        shifted[:, 3] += 0.5
+        gain.append((actor(shifted) - actor(data.observation)).abs().mean().item())
+    assert gain[1] < 0.5 * gain[0]
+
+
 def test_the_given_data_are_not_changed_by_noise():
     data = linear_data()
     before = data.observation.clone()
@@ -74,6 +88,6 @@ def test_same_generator_same_actor():
 
 
 def test_no_pairs_is_refused():
-    empty = ImitationData(torch.zeros(0, 6), torch.zeros(0, 2), slice(4, 6))
+    empty = ImitationData(torch.zeros(0, 6), torch.zeros(0, 2), slice(4, 6), torch.zeros(6))
     with pytest.raises(ValueError, match=r"no .observation, action. pairs"):
         next(imitate(make_actor(), empty, CONFIG, rng()))

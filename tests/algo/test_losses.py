@@ -162,8 +162,6 @@ def test_gaussian_closed_forms_agree_with_torch_distributions():
     old_mean, mean, action = (torch.randn(5, 3, generator=rng(i)) for i in range(3))
     old_std, std = (torch.rand(5, 3, generator=rng(i)) + 0.1 for i in range(3, 5))
     old, new = Normal(old_mean, old_std), Normal(mean, std)
-    torch.testing.assert_close(
-        losses.gaussian_kl(old_mean, old_std, mean, std), kl_divergence(old, new).sum(-1)
-    )
+    torch.testing.assert_close(losses.gaussian_kl(old_mean, old_std, mean, std), kl_divergence(old, new).sum(-1))
     torch.testing.assert_close(losses.gaussian_log_prob(action, mean, std), new.log_prob(action).sum(-1))
     torch.testing.assert_close(losses.gaussian_entropy(std), new.entropy().sum(-1))

@@ -115,9 +115,7 @@ def test_normalizer_is_fed_once_with_equal_parts_however_many_steps():
     far = Transition(torch.full((512, 2, STATE_SIZE), 10.0), torch.arange(512) % 4)
     prior.update(far, Blobs(torch.zeros(4, 2, STATE_SIZE)), rng())
     assert prior.normalizer.count.item() == 2 * 2 * 64  # both frames of 64 expert and 64 policy transitions
-    torch.testing.assert_close(
-        prior.normalizer.mean, torch.full((STATE_SIZE,), 5.0).double(), atol=0.1, rtol=0
-    )
+    torch.testing.assert_close(prior.normalizer.mean, torch.full((STATE_SIZE,), 5.0).double(), atol=0.1, rtol=0)
 
 
 def test_a_strong_penalty_flattens_the_discriminator_on_expert_motion():
@@ -156,9 +154,7 @@ def test_restored_prior_continues_bit_for_bit():
 
 def test_mismatch_needs_a_second_skill():
     with pytest.raises(ConfigError, match="mismatch_share"):
-        StylePrior(
-            style_config(mismatch_share=0.5), SkillEmbedding(1, 8, rng()), ("trot",), STATE_SIZE, rng()
-        )
+        StylePrior(style_config(mismatch_share=0.5), SkillEmbedding(1, 8, rng()), ("trot",), STATE_SIZE, rng())
 
 
 def test_embedding_similarity_is_the_largest_cosine_between_skills():

@@ -36,7 +36,5 @@ def write_evaluation(folder: Path, **changes) -> Path:
         "skill_switch_skill": np.repeat([0, 1], 50),
     }
     folder.mkdir(parents=True, exist_ok=True)
-    np.savez(
-        folder / "eval.npz", **{key: value for key, value in (arrays | changes).items() if value is not None}
-    )
+    np.savez(folder / "eval.npz", **{key: value for key, value in (arrays | changes).items() if value is not None})
     return folder

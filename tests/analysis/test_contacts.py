@@ -20,9 +20,7 @@ def sequence():
     stride = np.arange(200)[:, None] * PERIOD * 2.0
     gaits = np.repeat(["trot", "pronk"], 100)
     offset = np.array([GAIT_PHASES[gait] for gait in gaits])
-    return SwitchingSequence(
-        PERIOD, ("pronk", "trot"), np.mod(stride - offset, 1.0) < 0.5, np.repeat([1, 0], 100)
-    )
+    return SwitchingSequence(PERIOD, ("pronk", "trot"), np.mod(stride - offset, 1.0) < 0.5, np.repeat([1, 0], 100))
 
 
 def test_spans_by_hand():

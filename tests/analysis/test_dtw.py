@@ -69,9 +69,7 @@ def test_no_clips_is_named_with_its_remedy():
 
 
 def test_figure_is_written_with_every_value(tmp_path):
-    figure = draw_distances(
-        LatentDistances(["trot_2Hz", "pace_2Hz"], np.array([[0.0, np.nan], [np.nan, 3.24]]))
-    )
+    figure = draw_distances(LatentDistances(["trot_2Hz", "pace_2Hz"], np.array([[0.0, np.nan], [np.nan, 3.24]])))
     assert isinstance(figure, Figure)
     assert [text.get_text() for text in figure.axes[0].texts] == ["0", "-", "-", "3.24"]
     assert save(figure, tmp_path / "dtw.png").stat().st_size > 10_000

@@ -16,9 +16,7 @@ from tests.analysis.synthetic import clip_features, write_evaluation
 def folder(tmp_path, monkeypatch):
     """An evaluated run whose networks give the synthetic features."""
     monkeypatch.setattr(command, "load_run", lambda folder: SimpleNamespace(folder=folder))
-    monkeypatch.setattr(
-        command.load, "clip_features", lambda run: clip_features(np.random.default_rng(0))[::2]
-    )
+    monkeypatch.setattr(command.load, "clip_features", lambda run: clip_features(np.random.default_rng(0))[::2])
     monkeypatch.setattr(command, "POINTS_PER_GAIT", 20)
     return write_evaluation(tmp_path / "outputs" / "one")
 
@@ -29,8 +27,7 @@ def test_draws_three_figures_and_prints_their_paths(folder, capsys):
     printed = capsys.readouterr().out.split()
     assert printed == [str(folder / "figures" / name) for name in ("contacts.png", "clusters.png", "dtw.png")]
     assert all(
-        (folder / "figures" / name).stat().st_size > 10_000
-        for name in ("contacts.png", "clusters.png", "dtw.png")
+        (folder / "figures" / name).stat().st_size > 10_000 for name in ("contacts.png", "clusters.png", "dtw.png")
     )
 
 

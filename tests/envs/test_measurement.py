@@ -33,14 +33,25 @@ def test_rotation_agrees_with_mujoco():
 
 def state_of(qpos: np.ndarray, qvel: np.ndarray) -> RobotState:
     q, v = torch.from_numpy(qpos).float()[None], torch.from_numpy(qvel).float()[None]
-    return RobotState(q[:, :3], q[:, 3:7], v[:, :3], v[:, 3:6], q[:, 7:], v[:, 6:], torch.zeros(1, 4, 3), torch.zeros(1, 5, 3))
+    return RobotState(
+        q[:, :3],
+        q[:, 3:7],
+        v[:, :3],
+        v[:, 3:6],
+        q[:, 7:],
+        v[:, 6:],
+        torch.zeros(1, 4, 3),
+        torch.zeros(1, 5, 3),
+    )
 
 
 def test_measurement_agrees_with_mujoco():
     model = go2.load_model()
     data = mujoco.MjData(model)
     rng = np.random.default_rng(1)
-    data.qpos[:] = np.concatenate([[0.3, -0.2, 0.4], rng.standard_normal(4), rng.uniform(go2.JOINT_LOWER, go2.JOINT_UPPER)])
+    data.qpos[:] = np.concatenate(
+        [[0.3, -0.2, 0.4], rng.standard_normal(4), rng.uniform(go2.JOINT_LOWER, go2.JOINT_UPPER)]
+    )
     data.qpos[3:7] /= np.linalg.norm(data.qpos[3:7])
     data.qvel[:] = rng.standard_normal(18)
     mujoco.mj_forward(model, data)
@@ -61,7 +72,8 @@ def test_amp_state_of_a_clip_is_the_environments(clips):
     clip, row = clips[0], 17
     position = np.concatenate([clip.base_position[row], clip.base_quaternion[row], clip.joint_position[row]])
     world_velocity = rotate(
-        torch.from_numpy(clip.base_quaternion[row])[None], torch.from_numpy(clip.base_linear_velocity[row])[None]
+        torch.from_numpy(clip.base_quaternion[row])[None],
+        torch.from_numpy(clip.base_linear_velocity[row])[None],
     )[0].numpy()
     velocity = np.concatenate([world_velocity, clip.base_angular_velocity[row], clip.joint_velocity[row]])
     state = measure(state_of(position, velocity)).amp_state()[0].numpy()

@@ -187,7 +187,13 @@ def test_a_diverged_simulation_ends_its_episode_and_stays_finite(config, clips):
     env.sim._rows["qvel"][3] = np.nan  # pyright: ignore[reportAttributeAccessIssue]
     step = env.advance(ZERO)
     assert step.terminated[3] and env.num_diverged == 1
-    for tensor in (step.observation, step.final_observation, step.privileged, step.transition, step.task_reward):
+    for tensor in (
+        step.observation,
+        step.final_observation,
+        step.privileged,
+        step.transition,
+        step.task_reward,
+    ):
         assert torch.isfinite(tensor).all()
     assert torch.isfinite(env.advance(ZERO).observation).all()
 
@@ -203,5 +209,13 @@ def test_same_seed_same_roll_out_and_state_continues_bit_for_bit(config, clips):
     resumed.load_state_dict(one.state_dict())
     for action in actions[15:]:
         a, b = one.advance(action), resumed.advance(action)
-        for name in ("observation", "privileged", "transition", "task_reward", "terminated", "skill", "foot_contact"):
+        for name in (
+            "observation",
+            "privileged",
+            "transition",
+            "task_reward",
+            "terminated",
+            "skill",
+            "foot_contact",
+        ):
             assert torch.equal(getattr(a, name), getattr(b, name)), name

@@ -37,7 +37,7 @@ def recording(shown: dict[str, str]) -> Recording:
         period_s=0.02,
         skill=np.concatenate([skill, switch[None]]),
         command=command,
-        velocity=command + [0.1, 0.0, 0.0],
+        velocity=command + np.array([0.1, 0.0, 0.0]),
         contact=np.concatenate([contact, in_turn[None]]),
         joint_target=joints,
         joint_position=joints,

@@ -69,9 +69,7 @@ def test_duty_and_flight(grid):
 def test_every_label_is_right(grid, steps):
     truth, _ = grid
     rng = np.random.default_rng(steps)
-    contact = np.stack(
-        [flicker(contact_sequence(c[0], c[1], c[2], rng.random(), steps), 0.02, rng) for c in truth]
-    )
+    contact = np.stack([flicker(contact_sequence(c[0], c[1], c[2], rng.random(), steps), 0.02, rng) for c in truth])
     assert measure_gait(contact, PERIOD).label.tolist() == [case[0] for case in truth]
 
 

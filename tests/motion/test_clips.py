@@ -46,9 +46,7 @@ def rewrite(path: Path, **changes: np.ndarray | None) -> None:
     with np.load(path) as archive:
         arrays = dict(archive)
     arrays |= {name: value for name, value in changes.items() if value is not None}
-    np.savez_compressed(
-        path, **{name: value for name, value in arrays.items() if changes.get(name, 1) is not None}
-    )
+    np.savez_compressed(path, **{name: value for name, value in arrays.items() if changes.get(name, 1) is not None})
 
 
 @pytest.fixture

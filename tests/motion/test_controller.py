@@ -128,6 +128,4 @@ def test_expert_leaves_the_robot_alone() -> None:
     expert = Expert(data, GaitSchedule("pace", 3.0), stand_duration=0.2)
     before = np.r_[data.qpos, data.qvel, data.ctrl, data.qacc_warmstart, data.time]
     expert.answer(data, np.zeros(3))
-    np.testing.assert_array_equal(
-        np.r_[data.qpos, data.qvel, data.ctrl, data.qacc_warmstart, data.time], before
-    )
+    np.testing.assert_array_equal(np.r_[data.qpos, data.qvel, data.ctrl, data.qacc_warmstart, data.time], before)

@@ -79,13 +79,9 @@ def test_rows_are_the_simulations(steady: Clip) -> None:
     to_base = data.body("base").xmat.reshape(3, 3).T
     for leg, name in enumerate(FOOT_NAMES):
         foot = data.geom(f"{name}_foot")
-        np.testing.assert_allclose(
-            steady.foot_position[row, leg], to_base @ (foot.xpos - data.qpos[:3]), atol=1e-5
-        )
+        np.testing.assert_allclose(steady.foot_position[row, leg], to_base @ (foot.xpos - data.qpos[:3]), atol=1e-5)
         velocity = np.zeros(6)  # of the foot where the base stands still
-        mujoco.mj_objectVelocity(
-            model, data, mujoco.mjtObj.mjOBJ_GEOM, model.geom(f"{name}_foot").id, velocity, 0
-        )
+        mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_GEOM, model.geom(f"{name}_foot").id, velocity, 0)
         np.testing.assert_allclose(steady.foot_velocity[row, leg], to_base @ velocity[3:], atol=1e-4)
 
 

@@ -63,9 +63,7 @@ def test_slow_pronk_flies_as_high_as_ballistics_say() -> None:
 def test_interpolation_meets_the_grid() -> None:
     reference = solve("bound", 2.0)
     for index in (0, 7, 19):
-        np.testing.assert_allclose(
-            reference.deviation(index * 0.025 + 1.5), reference.states[index], atol=1e-9
-        )
+        np.testing.assert_allclose(reference.deviation(index * 0.025 + 1.5), reference.states[index], atol=1e-9)
         np.testing.assert_array_equal(reference.force(index * 0.025 + 1.5), reference.forces[index])
 
 

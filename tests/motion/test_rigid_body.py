@@ -105,9 +105,7 @@ def test_heading_follows_an_arc() -> None:
     np.testing.assert_allclose(quarter, [1.0, 1.0, np.pi / 2], atol=1e-12)
     sideways = advance_heading(np.array([0, 0, np.pi / 2]), np.array([0.0, 1.0, 0.0]), 0.5)
     np.testing.assert_allclose(sideways, [-0.5, 0.0, np.pi / 2], atol=1e-12)
-    back = advance_heading(
-        advance_heading(np.ones(3), np.array([0.3, 0.1, 0.5]), 2.0), np.array([0.3, 0.1, 0.5]), -2.0
-    )
+    back = advance_heading(advance_heading(np.ones(3), np.array([0.3, 0.1, 0.5]), 2.0), np.array([0.3, 0.1, 0.5]), -2.0)
     np.testing.assert_allclose(back, np.ones(3))
 
 

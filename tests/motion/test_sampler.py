@@ -20,9 +20,7 @@ def rng(seed: int = 0) -> torch.Generator:
     return torch.Generator().manual_seed(seed)
 
 
-def make_clip(
-    number: int, gait: str, frames: int = 20, dt: float = 0.02, varying_command: bool = False
-) -> Clip:
+def make_clip(number: int, gait: str, frames: int = 20, dt: float = 0.02, varying_command: bool = False) -> Clip:
     """Every quantity of frame t is 100 * number + t, and half a unit more for applied targets."""
     stamp = (100.0 * number + np.arange(frames)).astype(np.float32)
 

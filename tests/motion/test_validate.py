@@ -83,9 +83,7 @@ def broken_clips() -> dict[str, tuple[Clip, set[str]]]:
             {"base velocity mismatch"},
         ),
         "swapped legs": (
-            replace(
-                clip, joint_velocity=clip.joint_velocity.reshape(-1, 4, 3)[:, [1, 0, 3, 2]].reshape(-1, 12)
-            ),
+            replace(clip, joint_velocity=clip.joint_velocity.reshape(-1, 4, 3)[:, [1, 0, 3, 2]].reshape(-1, 12)),
             {"joint velocity mismatch"},
         ),
         "velocity in the world": (
@@ -110,9 +108,7 @@ def test_broken_clip_is_caught(name: str) -> None:
 
 def test_unsteady_clips_are_not_held_to_a_gait() -> None:
     clip = shipped("trot_3hz_forward_0.6")
-    varying = replace(
-        clip, command=np.tile(clip.command, (200, 1)), foot_contact=~clip.foot_contact[:, [0, 1, 0, 1]]
-    )
+    varying = replace(clip, command=np.tile(clip.command, (200, 1)), foot_contact=~clip.foot_contact[:, [0, 1, 0, 1]])
     assert failed(varying) == set()
 
 

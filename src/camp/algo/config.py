@@ -5,42 +5,11 @@ Values live in the YAML; `check` says which key is wrong and what to do.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 from omegaconf import MISSING
 
-from camp.errors import ConfigError
-
-
-def _require(holds: bool, key: str, value: object, remedy: str) -> None:
-    if not holds:
-        raise ConfigError(f"{key} = {value!r}: {remedy}")
-
-
-def _positive(key: str, value: float) -> None:
-    _require(0.0 < value < math.inf, key, value, "choose a finite number above 0")
-
-
-def _not_negative(key: str, value: float) -> None:
-    _require(0.0 <= value < math.inf, key, value, "choose a finite number of 0 or more")
-
-
-def _share(key: str, value: float) -> None:
-    _require(0.0 <= value < 1.0, key, value, "choose a share in [0, 1)")
-
-
-def _unit(key: str, value: float) -> None:
-    _require(0.0 <= value <= 1.0, key, value, "choose a factor in [0, 1]")
-
-
-def _count(key: str, value: int) -> None:
-    _require(value >= 1, key, value, "choose a whole number of 1 or more")
-
-
-def _hidden(key: str, sizes: list[int]) -> None:
-    holds = len(sizes) > 0 and all(size >= 1 for size in sizes)
-    _require(holds, key, list(sizes), "list one or more layer sizes of 1 or more")
+from camp import checks
 
 
 @dataclass
@@ -54,10 +23,10 @@ class ActorConfig:
     learn_std: bool = MISSING  # false: the std only moves by `set_std`
 
     def check(self) -> None:
-        _hidden("algo.actor.hidden", self.hidden)
-        _positive("algo.actor.min_std", self.min_std)
-        _positive("algo.actor.max_std", self.max_std)
-        _require(
+        checks.layers("algo.actor.hidden", self.hidden)
+        checks.positive("algo.actor.min_std", self.min_std)
+        checks.positive("algo.actor.max_std", self.max_std)
+        checks.require(
             self.min_std <= self.initial_std <= self.max_std,
             "algo.actor.initial_std",
             self.initial_std,
@@ -72,7 +41,7 @@ class CriticConfig:
     hidden: list[int] = MISSING  # units per hidden layer
 
     def check(self) -> None:
-        _hidden("algo.critic.hidden", self.hidden)
+        checks.layers("algo.critic.hidden", self.hidden)
 
 
 @dataclass
@@ -96,25 +65,25 @@ class PPOConfig:
     update_normalizer: bool = MISSING  # false freezes the actor's input statistics (imitation's)
 
     def check(self) -> None:
-        _unit("algo.ppo.discount", self.discount)
-        _unit("algo.ppo.trace", self.trace)
-        _positive("algo.ppo.clip", self.clip)
-        _not_negative("algo.ppo.value_clip", self.value_clip)
-        _not_negative("algo.ppo.entropy", self.entropy)
-        _count("algo.ppo.epochs", self.epochs)
-        _count("algo.ppo.minibatches", self.minibatches)
-        _positive("algo.ppo.min_learning_rate", self.min_learning_rate)
-        _positive("algo.ppo.max_learning_rate", self.max_learning_rate)
-        _require(
+        checks.share("algo.ppo.discount", self.discount)
+        checks.share("algo.ppo.trace", self.trace)
+        checks.positive("algo.ppo.clip", self.clip)
+        checks.not_negative("algo.ppo.value_clip", self.value_clip)
+        checks.not_negative("algo.ppo.entropy", self.entropy)
+        checks.count("algo.ppo.epochs", self.epochs)
+        checks.count("algo.ppo.minibatches", self.minibatches)
+        checks.positive("algo.ppo.min_learning_rate", self.min_learning_rate)
+        checks.positive("algo.ppo.max_learning_rate", self.max_learning_rate)
+        checks.require(
             self.min_learning_rate <= self.learning_rate <= self.max_learning_rate,
             "algo.ppo.learning_rate",
             self.learning_rate,
             "choose a value within algo.ppo.min_learning_rate .. max_learning_rate "
             f"({self.min_learning_rate} .. {self.max_learning_rate})",
         )
-        _positive("algo.ppo.desired_kl", self.desired_kl)
-        _positive("algo.ppo.critic_learning_rate", self.critic_learning_rate)
-        _positive("algo.ppo.max_grad_norm", self.max_grad_norm)
+        checks.positive("algo.ppo.desired_kl", self.desired_kl)
+        checks.positive("algo.ppo.critic_learning_rate", self.critic_learning_rate)
+        checks.positive("algo.ppo.max_grad_norm", self.max_grad_norm)
 
 
 @dataclass
@@ -136,18 +105,18 @@ class StyleConfig:
     mismatch_share: float = MISSING  # of the fakes: expert motion with a wrong label; needs conditional
 
     def check(self) -> None:
-        _not_negative("algo.style.weight", self.weight)
-        _hidden("algo.style.hidden", self.hidden)
-        _positive("algo.style.learning_rate", self.learning_rate)
-        _count("algo.style.updates", self.updates)
-        _count("algo.style.batch_size", self.batch_size)
-        _not_negative("algo.style.gradient_penalty", self.gradient_penalty)
-        _not_negative("algo.style.trunk_weight_decay", self.trunk_weight_decay)
-        _not_negative("algo.style.head_weight_decay", self.head_weight_decay)
-        _not_negative("algo.style.replay_size", self.replay_size)
-        _not_negative("algo.style.input_noise", self.input_noise)
-        _share("algo.style.mismatch_share", self.mismatch_share)
-        _require(
+        checks.not_negative("algo.style.weight", self.weight)
+        checks.layers("algo.style.hidden", self.hidden)
+        checks.positive("algo.style.learning_rate", self.learning_rate)
+        checks.count("algo.style.updates", self.updates)
+        checks.count("algo.style.batch_size", self.batch_size)
+        checks.not_negative("algo.style.gradient_penalty", self.gradient_penalty)
+        checks.not_negative("algo.style.trunk_weight_decay", self.trunk_weight_decay)
+        checks.not_negative("algo.style.head_weight_decay", self.head_weight_decay)
+        checks.not_negative("algo.style.replay_size", self.replay_size)
+        checks.not_negative("algo.style.input_noise", self.input_noise)
+        checks.share_below_one("algo.style.mismatch_share", self.mismatch_share)
+        checks.require(
             self.conditional or self.mismatch_share == 0.0,
             "algo.style.mismatch_share",
             self.mismatch_share,
@@ -168,12 +137,12 @@ class SkillConfig:
     gradient_penalty: float = MISSING  # lambda of eq. (8)
 
     def check(self) -> None:
-        _not_negative("algo.skill.weight", self.weight)
-        _hidden("algo.skill.hidden", self.hidden)
-        _positive("algo.skill.learning_rate", self.learning_rate)
-        _count("algo.skill.updates", self.updates)
-        _count("algo.skill.batch_size", self.batch_size)
-        _not_negative("algo.skill.gradient_penalty", self.gradient_penalty)
+        checks.not_negative("algo.skill.weight", self.weight)
+        checks.layers("algo.skill.hidden", self.hidden)
+        checks.positive("algo.skill.learning_rate", self.learning_rate)
+        checks.count("algo.skill.updates", self.updates)
+        checks.count("algo.skill.batch_size", self.batch_size)
+        checks.not_negative("algo.skill.gradient_penalty", self.gradient_penalty)
 
 
 @dataclass
@@ -186,10 +155,10 @@ class ImitationConfig:
     last_action_noise: float = MISSING  # std on the last-action input, action units
 
     def check(self) -> None:
-        _not_negative("algo.imitation.epochs", self.epochs)
-        _count("algo.imitation.batch_size", self.batch_size)
-        _positive("algo.imitation.learning_rate", self.learning_rate)
-        _not_negative("algo.imitation.last_action_noise", self.last_action_noise)
+        checks.not_negative("algo.imitation.epochs", self.epochs)
+        checks.count("algo.imitation.batch_size", self.batch_size)
+        checks.positive("algo.imitation.learning_rate", self.learning_rate)
+        checks.not_negative("algo.imitation.last_action_noise", self.last_action_noise)
 
 
 @dataclass
@@ -206,7 +175,7 @@ class AlgoConfig:
     imitation: ImitationConfig = field(default_factory=ImitationConfig)
 
     def check(self) -> None:
-        _not_negative("algo.task_weight", self.task_weight)
-        _count("algo.embedding_size", self.embedding_size)
+        checks.not_negative("algo.task_weight", self.task_weight)
+        checks.count("algo.embedding_size", self.embedding_size)
         for part in (self.actor, self.critic, self.ppo, self.style, self.skill, self.imitation):
             part.check()

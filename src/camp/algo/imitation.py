@@ -23,6 +23,7 @@ class ImitationData:
     observation: Tensor  # (M, O) as the environment would give it
     action: Tensor  # (M, A) the expert's clean answer, action units
     last_action: slice  # where the observation holds the previous action
+    sensor_noise: Tensor  # (O,) half-width of the uniform noise that the environment's sensors have
 
 
 def imitate(
@@ -39,14 +40,14 @@ def imitate(
     pairs = data.observation.shape[0]
     if pairs == 0:
         raise ValueError("imitate: no (observation, action) pairs; generate clips first")
-    actor.normalizer.update(_noised(data.observation, data.last_action, config, generator))
+    actor.normalizer.update(_noised(data.observation, data, config, generator))
     optimizer = torch.optim.Adam(actor.network.parameters(), lr=config.learning_rate, fused=True)
     per_epoch = math.ceil(pairs / config.batch_size)
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, T_max=per_epoch * config.epochs)
     for epoch in range(config.epochs):
         averages = Averages()
         for index in minibatches(pairs, 1, per_epoch, generator):
-            observation = _noised(data.observation[index], data.last_action, config, generator)
+            observation = _noised(data.observation[index], data, config, generator)
             loss = functional.mse_loss(actor(observation), data.action[index])
             optimizer.zero_grad(set_to_none=True)
             loss.backward()
@@ -59,10 +60,9 @@ def imitate(
         }
 
 
-def _noised(
-    observation: Tensor, last_action: slice, config: ImitationConfig, generator: torch.Generator
-) -> Tensor:
-    noised = observation.clone()
-    part = noised[:, last_action]
+def _noised(observation: Tensor, data: ImitationData, config: ImitationConfig, generator: torch.Generator) -> Tensor:
+    uniform = 2.0 * torch.rand(observation.shape, generator=generator, device=observation.device) - 1.0
+    noised = observation + data.sensor_noise * uniform
+    part = noised[:, data.last_action]
     part += config.last_action_noise * torch.randn(part.shape, generator=generator, device=part.device)
     return noised

@@ -158,9 +158,7 @@ class SkillEmbedding(nn.Module):
 class ConditionalDiscriminator(nn.Module):
     """D(s_t, s_{t+1} | z) of eq. (3); with embedding_size 0 the plain AMP discriminator D(s_t, s_{t+1})."""
 
-    def __init__(
-        self, state_size: int, embedding_size: int, hidden: Sequence[int], generator: torch.Generator
-    ) -> None:
+    def __init__(self, state_size: int, embedding_size: int, hidden: Sequence[int], generator: torch.Generator) -> None:
         super().__init__()
         network = mlp((2 * state_size + embedding_size, *hidden, 1), nn.ReLU, 1.0, generator)
         self.trunk, self.head = network[:-1], network[-1]
@@ -176,9 +174,7 @@ class ConditionalDiscriminator(nn.Module):
 class SkillDiscriminator(nn.Module):
     """z_hat = f(s_t, s_{t+1}), eq. (5): which skill does this motion show?"""
 
-    def __init__(
-        self, state_size: int, embedding_size: int, hidden: Sequence[int], generator: torch.Generator
-    ) -> None:
+    def __init__(self, state_size: int, embedding_size: int, hidden: Sequence[int], generator: torch.Generator) -> None:
         super().__init__()
         self.network = mlp((2 * state_size, *hidden, embedding_size), nn.ReLU, SKILL_HEAD_GAIN, generator)
 

@@ -122,9 +122,7 @@ class PPO:
             self.actor.normalizer.update(rollout.observation)
         return averages.result() | {"ppo/learning_rate": self.learning_rate}
 
-    def update_critic(
-        self, rollout: Rollout, return_: Tensor, generator: torch.Generator
-    ) -> dict[str, float]:
+    def update_critic(self, rollout: Rollout, return_: Tensor, generator: torch.Generator) -> dict[str, float]:
         """Improves the critic alone: policy, its normalizer and its rate stay untouched.
 
         For the first iterations after a warm start by imitation, when a fresh critic's advantages are noise
@@ -188,9 +186,7 @@ class PPO:
     def _critic_step(self, batch: _CriticBatch, averages: Averages) -> None:
         value = self.critic(batch.observation, batch.privileged)
         scale = self.critic.return_std  # the loss counts in standard deviations of the return
-        loss = clipped_value_loss(
-            value / scale, batch.value / scale, batch.return_ / scale, self.config.value_clip
-        )
+        loss = clipped_value_loss(value / scale, batch.value / scale, batch.return_ / scale, self.config.value_clip)
         averages.add("ppo/value_loss", loss)
         averages.add("ppo/grad_norm/critic", self._descend(self.critic, self.critic_optimizer, loss))
 

@@ -88,9 +88,7 @@ class StylePrior:
         averages.add("prior/style/embedding_similarity", self._embedding_similarity())
         return averages.result()
 
-    def _step(
-        self, expert: Transition, fake: Transition, averages: Averages, generator: torch.Generator
-    ) -> None:
+    def _step(self, expert: Transition, fake: Transition, averages: Averages, generator: torch.Generator) -> None:
         expert_input = self._noisy_input(expert, generator).requires_grad_()
         expert_logit = self._logit(expert_input, expert.skill)
         fake_logit = self._logit(self._noisy_input(fake, generator), fake.skill)
@@ -110,9 +108,7 @@ class StylePrior:
         labels = torch.cat([expert.skill, fake.skill])
         averages.add_per_skill("prior/style/accuracy", right, labels, self.skills)
 
-    def _fakes(
-        self, policy: Transition, demonstrations: DemonstrationSource, generator: torch.Generator
-    ) -> Transition:
+    def _fakes(self, policy: Transition, demonstrations: DemonstrationSource, generator: torch.Generator) -> Transition:
         """What D shall reject: the policy's motion, and a share of expert motion with a wrong label.
 
         Half of the policy's motion is from the past once there is any. The wrong labels (matching-aware

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import torch
 from torch import Tensor
 
 from camp.envs.config import CommandConfig
 
 
-def uniform(low: float, high: float, shape: tuple[int, ...], generator: torch.Generator) -> Tensor:
-    """Uniform samples in [low, high) on the generator's device."""
+def uniform(interval: Sequence[float], shape: tuple[int, ...], generator: torch.Generator) -> Tensor:
+    """Uniform samples in ``interval`` = (low, high) on the generator's device."""
+    low, high = interval
     return low + (high - low) * torch.rand(shape, generator=generator, device=generator.device)
 
 
@@ -20,7 +23,7 @@ def sample_commands(num: int, config: CommandConfig, generator: torch.Generator)
     so that straight, sideways, turning and in-place motion all occur.
     """
     ranges = (config.vx_m_s, config.vy_m_s, config.yaw_rate_rad_s)
-    command = torch.stack([uniform(low, high, (num,), generator) for low, high in ranges], dim=1)
+    command = torch.stack([uniform(interval, (num,), generator) for interval in ranges], dim=1)
     keep = torch.rand(num, 3, generator=generator, device=command.device) >= config.zero_component_share
     moving = torch.rand(num, 1, generator=generator, device=command.device) >= config.zero_share
     return command * keep * moving

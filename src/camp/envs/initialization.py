@@ -5,8 +5,8 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
-from camp.envs.config import InitializationConfig
 from camp.envs.commands import uniform
+from camp.envs.config import InitializationConfig
 from camp.envs.measurement import rotate
 from camp.motion.sampler import ReferenceState
 from camp.robots import go2
@@ -35,7 +35,7 @@ def standing(num: int, config: InitializationConfig, generator: torch.Generator)
     """
     device = generator.device
     default = torch.tensor(go2.DEFAULT_JOINT_POSITION, device=device)
-    joints = default * uniform(*config.joint_position_scale, (num, go2.NUM_JOINTS), generator)
+    joints = default * uniform(config.joint_position_scale, (num, go2.NUM_JOINTS), generator)
     joints = joints.clamp(torch.tensor(go2.JOINT_LOWER, device=device), torch.tensor(go2.JOINT_UPPER, device=device))
     position = torch.zeros(num, 3, device=device)
     position[:, 2] = go2.FOOT_RADIUS - foot_position(joints)[..., 2].amin(dim=1)

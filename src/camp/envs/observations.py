@@ -123,13 +123,14 @@ def noise_width(entries: tuple[Entry, ...], config: NoiseConfig) -> Tensor:
 
 def table(entries: tuple[Entry, ...], noise: NoiseConfig | None = None) -> str:
     """The entries as a Markdown table: index range, entry, size, unit, frame, scale and noise."""
-    rows = ["| index | entry | size | unit | frame | scale | noise (uniform ±) |", "|---|---|---|---|---|---|---|"]
+    rows = [
+        "| index | entry | size | unit | frame | scale | noise (uniform ±) |",
+        "|---|---|---|---|---|---|---|",
+    ]
     start = 0
     for entry in entries:
         width = getattr(noise, entry.noise) if noise is not None and entry.noise is not None else "-"
         index = f"{start}..{start + entry.size - 1}"
-        rows.append(
-            f"| {index} | `{entry.name}` | {entry.size} | {entry.unit} | {entry.frame} | 1 | {width} |"
-        )
+        rows.append(f"| {index} | `{entry.name}` | {entry.size} | {entry.unit} | {entry.frame} | 1 | {width} |")
         start += entry.size
     return "\n".join(rows)

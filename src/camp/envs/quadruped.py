@@ -182,7 +182,7 @@ class QuadrupedEnv(VectorEnv):
 
         skill = sample_skills(num, self.num_skills, self._generator)
         reference = self.references.sample(skill, self._generator)
-        at_reference = uniform(0.0, 1.0, (num,), self._generator) < init.reference_share
+        at_reference = uniform((0.0, 1.0), (num,), self._generator) < init.reference_share
         start = initialization.merge(
             at_reference,
             initialization.from_reference(reference),
@@ -219,7 +219,7 @@ class QuadrupedEnv(VectorEnv):
             return
         limit = config.max_velocity_m_s
         change = torch.zeros(self.num_envs, 3, device=self._device)
-        change[:, :2] = uniform(-limit, limit, (self.num_envs, 2), self._generator)
+        change[:, :2] = uniform((-limit, limit), (self.num_envs, 2), self._generator)
         due = (self.step_count + 1) % self._steps(config.period_s) == 0
         self.sim.push(change * due[:, None])
 
@@ -242,7 +242,7 @@ class QuadrupedEnv(VectorEnv):
         situation = observations.Situation(measurement, self.command, self.last_action, skill, self.dynamics)
         observation = observations.observe(self.actor_entries, situation)
         if self.config.noise.enabled:
-            observation += self._noise * uniform(-1.0, 1.0, tuple(observation.shape), self._generator)
+            observation += self._noise * uniform((-1.0, 1.0), tuple(observation.shape), self._generator)
         privileged = observations.observe(self.privileged_entries, situation)
         return _bounded(observation), _bounded(privileged)
 

@@ -34,12 +34,18 @@ class EvaluationConfig:
             f"leave 2 s or more of the {self.duration_s} s for the gait metric",
         )
         checks.require(len(self.commands) > 0, "commands", list(self.commands), "give one [vx, vy, yaw rate] or more")
-        for name, command in [("switch_command", self.switch_command), *(("commands", c) for c in self.commands)]:
+        for name, command in [
+            ("switch_command", self.switch_command),
+            *(("commands", c) for c in self.commands),
+        ]:
             holds = isinstance(command, list) and len(command) == 3 and all(isinstance(v, int | float) for v in command)
             checks.require(holds, name, command, "give [vx, vy, yaw rate] in m/s, m/s, rad/s")
         last = len(self.commands) - 1
         checks.require(
-            0 <= self.video_command <= last, "video_command", self.video_command, f"choose an index from 0 to {last}"
+            0 <= self.video_command <= last,
+            "video_command",
+            self.video_command,
+            f"choose an index from 0 to {last}",
         )
         checks.positive("video_s", self.video_s)
 

@@ -9,7 +9,13 @@ from rich.table import Table
 
 from camp.evaluation.rollout import Recording
 from camp.metrics.gait import label_over_time, measure_gait, switch_time
-from camp.metrics.tracking import by_joint_kind, joint_tracking_accuracy, mean_velocity, velocity_error
+from camp.metrics.tracking import (
+    by_joint_kind,
+    joint_tracking_accuracy,
+    joint_tracking_of_range,
+    mean_velocity,
+    velocity_error,
+)
 
 FAST_COMMAND_M_S = 0.4  # commands from here on cannot be met by standing
 
@@ -28,14 +34,14 @@ def summarize(recording: Recording, skills: tuple[str, ...], discard_s: float) -
     gait = measure_gait(contact, recording.period_s)
     label = np.where(fallen, "fell", gait.label)
     error = velocity_error(command, mean_velocity(velocity, recording.period_s))
-    accuracy = joint_tracking_accuracy(recording.joint_target[grid, first:], recording.joint_position[grid, first:])
+    joints = recording.joint_target[grid, first:], recording.joint_position[grid, first:]
+    tracking, of_range = joint_tracking_accuracy(*joints), joint_tracking_of_range(*joints)
     fast = np.hypot(command[:, 0], command[:, 1]) >= FAST_COMMAND_M_S
 
     def part(chosen: np.ndarray, name: str | None) -> dict[str, Any]:
         """Numbers of the roll-outs ``chosen``, which were all to show ``name``."""
         upright = chosen & ~fallen
         wanted = np.array([skills[k] for k in skill]) if name is None else name
-        kinds = by_joint_kind(accuracy[upright].mean(axis=0)) if upright.any() else {}
         return {
             "rollouts": int(chosen.sum()),
             "falls": int(fallen[chosen].sum()),
@@ -47,7 +53,8 @@ def summarize(recording: Recording, skills: tuple[str, ...], discard_s: float) -
             "linear_error_m_s": float(error.linear[chosen].mean()),
             "linear_error_fast_m_s": _mean(error.linear[chosen & fast]),
             "yaw_rate_error_rad_s": float(error.angular[chosen].mean()),
-            "joint_tracking": {kind: float(value) for kind, value in kinds.items()},
+            "joint_tracking": _by_kind(tracking[upright]),
+            "joint_tracking_of_range": _by_kind(of_range[upright]),
         }
 
     performed = [*skills, "none", "fell"]
@@ -128,6 +135,11 @@ def table(policies: dict[str, dict[str, Any]]) -> Table:
                 end_section=skill == "all",
             )
     return result
+
+
+def _by_kind(accuracy: np.ndarray) -> dict[str, float]:
+    """Mean over roll-outs and legs of (R, 12), per kind of joint; empty where there are no roll-outs."""
+    return {k: float(v) for k, v in by_joint_kind(accuracy.mean(axis=0)).items()} if len(accuracy) else {}
 
 
 def _mean(values: np.ndarray) -> float | None:

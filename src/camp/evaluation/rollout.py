@@ -70,7 +70,15 @@ def roll_out(policy: Policy, config: Config, evaluation: EvaluationConfig, clips
             state = env.sim.state
             fallen |= result.terminated
             target = env.default_pose + config.robot.action_scale * action
-            values = (skill, command, result.velocity, result.foot_contact, target, state.joint_position, state.qpos())
+            values = (
+                skill,
+                command,
+                result.velocity,
+                result.foot_contact,
+                target,
+                state.joint_position,
+                state.qpos(),
+            )
             for name, value in zip(_RECORDED, values, strict=True):
                 kept[name].append(value)
     finally:

@@ -34,9 +34,7 @@ class GaitController:
         self.parameters: ExpertParameters = expert_parameters(schedule.gait, schedule.frequency_hz)
         self.body = measure_body(model, data, base)
         self.leg_momentum = LegMomentum(schedule)
-        self.reference = PeriodicReference(
-            schedule, self.body, self.parameters.posture, self.parameters.reference
-        )
+        self.reference = PeriodicReference(schedule, self.body, self.parameters.posture, self.parameters.reference)
         self.reference.solve(np.zeros(3), self.leg_momentum)
         com = data.subtree_com[base]
         self.target = MotionTarget(self.reference, com[2], stand_duration)

@@ -16,9 +16,7 @@ from camp.motion.heading import approach_command
 from camp.robots.go2 import PD_GAIN_D, PD_GAIN_P, load_torque_model
 
 CONTROL_PERIOD = 0.02  # s, the learner's control step
-LARGEST_ACCELERATION = np.array(
-    [1.0, 1.0, 1.5]
-)  # m/s^2, m/s^2, rad/s^2: how fast the command may be taken up
+LARGEST_ACCELERATION = np.array([1.0, 1.0, 1.5])  # m/s^2, m/s^2, rad/s^2: how fast the command may be taken up
 
 
 class Expert:

@@ -53,9 +53,7 @@ class GaitSchedule:
             raise ConfigError(f"gait '{self.gait}' is unknown; choose from {', '.join(GAIT_PHASES)}")
         if self.frequency_hz not in GRID_STEPS:
             choices = ", ".join(f"{frequency:g}" for frequency in GRID_STEPS)
-            raise ConfigError(
-                f"stride frequency {self.frequency_hz} Hz has no schedule; choose from {choices}"
-            )
+            raise ConfigError(f"stride frequency {self.frequency_hz} Hz has no schedule; choose from {choices}")
 
     @property
     def offsets(self) -> np.ndarray:

@@ -109,9 +109,7 @@ def _work(job: tuple[ClipRequest, Path]) -> Outcome:
         bad = [check for check in check_clip(clip) if not check.passed]
         if bad:
             raise ClipError(
-                "; ".join(
-                    f"{check.name} {check.value:.3g} is not {check.bound} {check.limit:.3g}" for check in bad
-                )
+                "; ".join(f"{check.name} {check.value:.3g} is not {check.bound} {check.limit:.3g}" for check in bad)
             )
         save_clip(folder / f"{request.name}.npz", clip)
     except CampError as error:

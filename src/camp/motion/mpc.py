@@ -89,9 +89,7 @@ class ModelPredictiveController:
         weighted = np.tile(weights.state, len(middle))[:, None] * matrix
         hessian = matrix.T @ weighted + weights.force * np.eye(matrix.shape[1])
         gradient = -weighted.T @ (goal - free).reshape(-1) - weights.force * feedforward.reshape(-1)
-        cone = friction_cone(
-            len(contacts.leg), weights.friction, weights.smallest_force, weights.largest_force
-        )
+        cone = friction_cone(len(contacts.leg), weights.friction, weights.smallest_force, weights.largest_force)
         solution = solve_qp(hessian, gradient, Constraints(*cone))
 
         states = np.empty((len(times), STATE_SIZE))

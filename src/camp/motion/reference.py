@@ -43,9 +43,7 @@ class PeriodicReference:
     forces: (N, 4, 3) in N, zero for swinging legs.
     """
 
-    def __init__(
-        self, schedule: GaitSchedule, body: RigidBody, posture: Posture, weights: ReferenceWeights
-    ) -> None:
+    def __init__(self, schedule: GaitSchedule, body: RigidBody, posture: Posture, weights: ReferenceWeights) -> None:
         self.schedule, self.body, self.posture, self.weights = schedule, body, posture, weights
         steps = schedule.grid_steps
         self.states = np.zeros((steps + 1, STATE_SIZE))
@@ -98,9 +96,7 @@ class PeriodicReference:
         response = np.zeros((steps + 1, STATE_SIZE, size))
         response[1:, :, forces] = force_response(self.body, self._contact_plan(command), yaw=0.0)
         response[:, :, 3 * contacts :] = np.eye(STATE_SIZE)
-        response[:, RPY, 3 * contacts + ANGULAR.start : 3 * contacts + ANGULAR.stop] = times[
-            :, None, None
-        ] * np.eye(3)
+        response[:, RPY, 3 * contacts + ANGULAR.start : 3 * contacts + ANGULAR.stop] = times[:, None, None] * np.eye(3)
         response[:, POSITION, 3 * contacts + LINEAR.start :] = times[:, None, None] * np.eye(3)
         drift = free_response(np.zeros(STATE_SIZE), times, yaw=0.0)
         drift[1:, RPY] -= np.cumsum(leg_momentum.table, axis=0) * step

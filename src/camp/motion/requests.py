@@ -27,6 +27,8 @@ _COMMANDS: tuple[tuple[float, float, float], ...] = (
 )
 # A pronk at 2 Hz flies far: beyond .8 m/s its knees reach their end stop, -.838 rad.
 _FASTEST_SLOW_PRONK = 0.8  # m/s
+# A pronk at 3 Hz lands late when it moves in two ways at once: its contacts leave the schedule.
+_COMPOSITE_FAST_PRONK = 0.7  # times the command
 # Ranges of random commands, a little wider than what the policy is asked for.
 _RANDOM_LOW, _RANDOM_HIGH = np.array([-0.5, -0.25, -0.7]), np.array([0.9, 0.25, 0.7])
 _STRAIGHT_SHARE, _IN_PLACE_SHARE = 0.4, 0.1
@@ -62,15 +64,22 @@ def describe_command(command: tuple[float, float, float]) -> str:
 
 
 def shipped_requests() -> list[ClipRequest]:
-    """The steady clips of the package: every gait, frequency and command."""
+    """The steady clips of the package: every gait, frequency and command, slowed where the pronk does not bear it."""
     requests = []
     for gait in GAIT_PHASES:
         for frequency in SHIPPED_FREQUENCIES:
-            for vx, vy, wz in _COMMANDS:
-                slow_pronk = gait == "pronk" and frequency < 2.5
-                command = (min(vx, _FASTEST_SLOW_PRONK) if slow_pronk else vx, vy, wz)
-                requests.append(ClipRequest(gait, frequency, command))
+            for command in _COMMANDS:
+                bearable = _slowed_pronk(frequency, command) if gait == "pronk" else command
+                requests.append(ClipRequest(gait, frequency, bearable))
     return requests
+
+
+def _slowed_pronk(frequency_hz: float, command: tuple[float, float, float]) -> tuple[float, float, float]:
+    vx, vy, wz = command
+    if frequency_hz < 2.5:
+        return min(vx, _FASTEST_SLOW_PRONK), vy, wz
+    scale = _COMPOSITE_FAST_PRONK if sum(value != 0.0 for value in command) > 1 else 1.0
+    return round(scale * vx, 3), round(scale * vy, 3), round(scale * wz, 3)
 
 
 def perturbed_requests(count: int, seed: int) -> list[ClipRequest]:

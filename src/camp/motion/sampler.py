@@ -101,9 +101,7 @@ class ReferenceState:
 class ReferenceStates:
     """Draws states for reference-state initialization (Peng et al. 2018)."""
 
-    def __init__(
-        self, clips: Sequence[Clip], skills: Sequence[str], device: torch.device | str = "cpu"
-    ) -> None:
+    def __init__(self, clips: Sequence[Clip], skills: Sequence[str], device: torch.device | str = "cpu") -> None:
         """Raises ClipError for a skill without clips or unequal frame rates."""
         groups = _by_skill(clips, skills)
         self.num_skills = len(groups)

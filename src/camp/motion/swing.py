@@ -44,9 +44,7 @@ class SwingLegs:
         """The leg stands: its next swing starts afresh."""
         self._swinging[leg] = False
 
-    def acceleration(
-        self, leg: int, robot: RobotState, target: MotionTarget, shift: np.ndarray
-    ) -> np.ndarray:
+    def acceleration(self, leg: int, robot: RobotState, target: MotionTarget, shift: np.ndarray) -> np.ndarray:
         """Acceleration (3,) in m/s^2 that keeps a swinging foot on its way."""
         gains, schedule = self._gains, self._schedule
         duration = schedule.swing_duration

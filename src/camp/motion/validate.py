@@ -91,9 +91,7 @@ def _posture(clip: Clip) -> list[ClipCheck]:
 
 def _joints(clip: Clip) -> list[ClipCheck]:
     """Range and speed: a stumble may pass them for a moment, steady walking may not."""
-    beyond = np.maximum(
-        clip.joint_position - np.array(JOINT_UPPER), np.array(JOINT_LOWER) - clip.joint_position
-    )
+    beyond = np.maximum(clip.joint_position - np.array(JOINT_UPPER), np.array(JOINT_LOWER) - clip.joint_position)
     return [
         _at_most("joint beyond range (rad)", beyond.max(), 0.0),
         _at_most("joint speed / limit", np.abs(clip.joint_velocity / np.array(JOINT_SPEED_LIMIT)).max(), 1.0),

@@ -65,9 +65,7 @@ def joint_torque(robot: RobotState, task: WholeBodyTask, mass: float, gains: Who
     dynamics = np.hstack([robot.mass_matrix, -robot.jacobian[legs].reshape(-1, NUM_DOFS).T])
     to_torque, limit = dynamics[_JOINTS], gains.torque_share * np.array(TORQUE_LIMIT)
     cone, cone_bound = friction_cone(len(legs), gains.friction, 0.0, gains.largest_force)
-    matrix = np.vstack(
-        [dynamics[_BASE], to_torque, -to_torque, np.hstack([np.zeros((len(cone), NUM_DOFS)), cone])]
-    )
+    matrix = np.vstack([dynamics[_BASE], to_torque, -to_torque, np.hstack([np.zeros((len(cone), NUM_DOFS)), cone])])
     bias = robot.bias
     bound = np.concatenate([-bias[_BASE], -limit - bias[_JOINTS], -limit + bias[_JOINTS], cone_bound])
     solution = solve_qp(hessian, gradient, Constraints(matrix, bound, equalities=6))
