@@ -101,7 +101,6 @@ def error_line(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
         ("algo.ppo.clip=-1", ("algo.ppo.clip", "-1", "above 0")),
         ("motion.skills=[trot,canter]", ("canter", "pronk")),
         ("motion.folder=/nowhere/clips", ("/nowhere/clips", "camp.dataset")),
-        ("resume=/nowhere/run", ("/nowhere/run", "camp.train")),
         ("device=cuda:99", ("cuda:99", "cpu")),
     ],
 )
@@ -110,6 +109,20 @@ def test_wrong_input_is_one_line_and_leaves_nothing(argument, words, tmp_path, c
     for word in words:
         assert word in line
     assert list(tmp_path.iterdir()) == []
+
+
+def test_resuming_nothing_names_the_folder(capsys):
+    line = error_line(["resume=/nowhere/run"], capsys)
+    assert "/nowhere/run" in line and "camp.train" in line
+
+
+def test_a_run_continues_with_its_own_configuration(tmp_path, capsys):
+    assert run_hydra("train", train, ["run=smoke", *TINY, QUIET, f"output_dir={tmp_path}"]) == 0
+    run = (tmp_path / "latest").resolve()
+    line = error_line([f"resume={run}", "seed=3"], capsys)
+    assert "seed=3" in line and "run.iterations" in line
+    assert run_hydra("train", train, [f"resume={run}", "run.iterations=7"]) == 0
+    assert [row["iteration"] for row in metrics_of(run)] == list(range(1, 8))
 
 
 @pytest.fixture

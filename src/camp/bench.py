@@ -141,6 +141,7 @@ def _in_turn(contenders: dict[str, Callable[[], int]]) -> dict[str, list[float]]
 def _iteration(runner: Runner) -> dict[str, float]:
     """Seconds of one training iteration after a warm-up: physics, networks and rest."""
     training = runner.training
+    runner.iteration = runner.config.run.critic_warmup  # from here on the policy learns too
     runner.iterate()
     clock = {"physics": 0.0, "networks": 0.0}
     _time(training.env.sim, "step", clock, "physics")

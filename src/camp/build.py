@@ -17,7 +17,7 @@ from camp.config import Config, SimConfig, learner_device, load_run_config
 from camp.envs.measurement import AMP_STATE_SIZE
 from camp.envs.observations import actor_entries, privileged_entries, size
 from camp.envs.quadruped import QuadrupedEnv
-from camp.errors import CheckpointError
+from camp.errors import CheckpointError, ConfigError
 from camp.motion.clips import Clip, load_clips
 from camp.motion.sampler import Demonstrations, ReferenceStates
 from camp.paths import assets_root
@@ -72,6 +72,7 @@ def build_simulator(config: Config, num_envs: int | None = None) -> Simulator:
 
 def build_env(config: Config, clips: list[Clip], num_envs: int | None = None) -> QuadrupedEnv:
     """The batched environment with its simulator and reference states."""
+    _check_period(config, clips)
     sim = build_simulator(config, num_envs)
     return QuadrupedEnv(
         sim,
@@ -128,8 +129,6 @@ def load_run(folder: Path) -> Run:
         if "skill" in state["priors"]:
             embedding = SkillEmbedding(len(skills), config.algo.embedding_size, weights)
             skill_prior = SkillPrior(config.algo.skill, embedding, skills, AMP_STATE_SIZE, weights)
-            if "style" in state["priors"]:
-                embedding.load_state_dict(state["priors"]["style"]["embedding"])
             skill_prior.load_state_dict(state["priors"]["skill"])
     except (KeyError, RuntimeError) as error:
         reason = str(error).strip().splitlines()[0]
@@ -138,6 +137,16 @@ def load_run(folder: Path) -> Run:
         ) from error
     clips = load_clips(motion_folder(config), config.motion.skills)
     return Run(config, int(state["iteration"]), actor, skills, skill_prior, clips)
+
+
+def _check_period(config: Config, clips: list[Clip]) -> None:
+    """Discriminators compare the policy's pairs of states with the clips': both must be equally far apart."""
+    for clip in clips:
+        if abs(clip.dt - config.env.control_period_s) > 1e-6:
+            raise ConfigError(
+                f"env.control_period_s = {config.env.control_period_s}: the expert clips have a period of "
+                f"{clip.dt:g} s; use that, or clips of the other period"
+            )
 
 
 def _build_critic(config: Config, weights: torch.Generator) -> Critic:

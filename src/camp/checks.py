@@ -49,7 +49,13 @@ def interval(key: str, value: Sequence[float]) -> None:
     require(holds, key, low_high, "give [low, high] with low <= high")
 
 
-def positive_interval(key: str, value: Sequence[float]) -> None:
+def not_negative_interval(key: str, value: Sequence[float]) -> None:
     """As ``interval``, with low >= 0."""
     interval(key, value)
     require(value[0] >= 0.0, key, list(value), "give [low, high] with low >= 0")
+
+
+def positive_interval(key: str, value: Sequence[float]) -> None:
+    """As ``interval``, with low > 0."""
+    interval(key, value)
+    require(value[0] > 0.0, key, list(value), "give [low, high] with low > 0")

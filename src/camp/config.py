@@ -5,6 +5,7 @@ Values live in YAML (conf/); here are the types, the units and the ranges.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import cast
@@ -18,6 +19,7 @@ from camp.envs.config import EnvConfig
 from camp.errors import ConfigError
 from camp.logger import LoggerConfig
 from camp.motion.gaits import GAIT_PHASES
+from camp.robots import go2
 
 
 @dataclass
@@ -60,7 +62,7 @@ class MotionConfig:
     folder: str | None = MISSING  # None: the clips shipped with the package
     skills: list[str] = MISSING  # gaits; a skill's label is its place in this list
     num_preloaded: int = MISSING  # transitions
-    perturbed_folder: str | None = MISSING  # None: <output_dir>/motions/perturbed
+    perturbed_folder: str | None = MISSING  # None: one below <output_dir>/motions
     perturbed_clips: int = MISSING  # for the warm start by imitation
 
     def check(self) -> None:
@@ -130,6 +132,19 @@ class Config:
             self.env.control_period_s,
             f"choose a multiple of sim.physics_timestep_s ({self.sim.physics_timestep_s} s)",
         )
+        checks.require(
+            self.algo.ppo.update_normalizer or self.algo.imitation.epochs > 0,
+            "algo.ppo.update_normalizer",
+            self.algo.ppo.update_normalizer,
+            "set it to true without imitation (algo.imitation.epochs=0), or observations are never scaled",
+        )
+        gains = (list(self.robot.kp) * go2.NUM_LEGS, list(self.robot.kd) * go2.NUM_LEGS)
+        checks.require(
+            self.algo.imitation.epochs == 0 or gains == (list(go2.PD_GAIN_P), list(go2.PD_GAIN_D)),
+            "robot.kp",
+            list(self.robot.kp),
+            "the expert's targets are made for the gains of robot=go2; use those, or algo.imitation.epochs=0",
+        )
         samples = self.run.rollout_steps * self.sim.num_envs
         checks.require(
             samples >= self.algo.ppo.minibatches,
@@ -145,7 +160,7 @@ def resolve(config: DictConfig) -> Config:
     Raises an OmegaConf error for an unknown key or a wrong type, ConfigError for a value out of range; the command
     line prints either as one line.
     """
-    typed = cast(Config, OmegaConf.to_object(OmegaConf.merge(OmegaConf.structured(Config), _without_hydra(config))))
+    typed = cast(Config, OmegaConf.to_object(OmegaConf.merge(OmegaConf.structured(Config), without_hydra(config))))
     typed.check()
     return typed
 
@@ -155,15 +170,18 @@ def as_yaml(config: Config) -> DictConfig:
     return OmegaConf.structured(config)
 
 
-def load_run_config(run: Path) -> Config:
-    """The configuration a run folder was trained with. Raises ConfigError where there is none."""
+def load_run_config(run: Path, changes: Sequence[str] = ()) -> Config:
+    """The configuration a run folder was trained with, with ``changes`` like ``run.iterations=300``.
+
+    Raises ConfigError where there is none.
+    """
     path = run / "config.yaml"
     if not path.is_file():
         raise ConfigError(f"run folder {run}: holds no config.yaml; name one of the folders that camp.train wrote")
     loaded = OmegaConf.load(path)
     if not isinstance(loaded, DictConfig):
         raise ConfigError(f"file {path}: not a configuration; restore it from the run")
-    return resolve(loaded)
+    return resolve(cast(DictConfig, OmegaConf.merge(loaded, OmegaConf.from_dotlist(list(changes)))))
 
 
 def learner_device(name: str) -> torch.device:
@@ -179,5 +197,6 @@ def learner_device(name: str) -> torch.device:
     return device
 
 
-def _without_hydra(config: DictConfig) -> DictConfig:
+def without_hydra(config: DictConfig) -> DictConfig:
+    """A composed configuration without Hydra's own part."""
     return OmegaConf.create({key: config._get_node(key) for key in config if key != "hydra"})

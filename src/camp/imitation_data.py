@@ -20,8 +20,8 @@ from camp.sim.base import Dynamics
 def imitation_data(clips: Sequence[Clip], config: Config, device: torch.device) -> ImitationData:
     """Every row but the first of each clip: what the policy would have observed, and the expert's answer to it.
 
-    The first row is left out because the action before it is not known. The sensors' noise is left to the training, which draws it
-    anew for every minibatch.
+    The first row is left out because the action before it is not known. The sensors' noise is left to the training,
+    which draws it anew for every minibatch.
     """
     skills = list(config.motion.skills)
     entries = observations.actor_entries(len(skills))

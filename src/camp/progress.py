@@ -45,6 +45,7 @@ class Progress:
         self.lines_every = lines_every
         self._clock = clock
         self._last: float | None = None
+        self._shown: dict[str, float] = {}  # the last value of every metric: some come only now and then
         self._seconds: float | None = None  # per iteration, smoothed
         console = Console(file=stream if stream is not None else sys.stdout)
         self._console = console
@@ -68,6 +69,7 @@ class Progress:
 
     def update(self, iteration: int, metrics: Mapping[str, float]) -> None:
         """Show `metrics` of `iteration` (the first is 1, `total` the last)."""
+        self._shown |= metrics
         now = self._clock()
         if self._last is not None:
             elapsed = max(now - self._last, 1e-9)
@@ -75,9 +77,9 @@ class Progress:
             self._seconds = _RATE_SMOOTHING * before + (1 - _RATE_SMOOTHING) * elapsed
         self._last = now
         if self._live is not None:
-            self._live.update(self._table(iteration, metrics), refresh=True)
+            self._live.update(self._table(iteration, self._shown), refresh=True)
         elif iteration in (1, self.total) or iteration % self.lines_every == 0:
-            self._console.print(self._line(iteration, metrics), soft_wrap=True, highlight=False, markup=False)
+            self._console.print(self._line(iteration, self._shown), soft_wrap=True, highlight=False, markup=False)
 
     def _headline(self, iteration: int) -> str:
         left = "--:--"

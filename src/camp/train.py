@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 import torch
+from hydra.core.hydra_config import HydraConfig
 from omegaconf import DictConfig
 
 from camp.build import Training, build_training
 from camp.checkpoint import load_checkpoint
 from camp.cli import new_run_folder, run_hydra
 from camp.config import Config, as_yaml, load_run_config, resolve
-from camp.errors import CheckpointError
-from camp.logger import RunIdentity, RunLogger
+from camp.errors import CheckpointError, ConfigError
+from camp.logger import RunIdentity, RunLogger, write_text
 from camp.progress import Progress
 from camp.runner import Runner
 from camp.seeding import seed_everything
@@ -26,28 +28,52 @@ from camp.warm_start import warm_start
 def train(composed: DictConfig) -> Path:
     """Train as configured, or continue the run that ``resume`` names; returns the run folder."""
     config = resolve(composed)
-    resumed = Path(config.resume) if config.resume else None
-    if resumed is not None:
-        config = load_run_config(resumed)
+    if config.resume:
+        return resume(Path(config.resume), HydraConfig.get().overrides.task)
+    with _training(config) as training:
+        imitation = warm_start(training, config)
+        runner = Runner(
+            training, config, new_run_folder(Path(config.output_dir), f"{config.variant}-seed{config.seed}")
+        )
+        runner.start()
+        with _logger(runner) as logger:
+            write_text(runner.folder / "imitation.jsonl", "".join(json.dumps(row) + "\n" for row in imitation))
+            runner.save()
+            _run(runner, logger)
+    return runner.folder
+
+
+def resume(folder: Path, overrides: Sequence[str]) -> Path:
+    """Continue a run with its own configuration, but for ``run.iterations`` and ``logger``.
+
+    Raises ConfigError for other overrides, CheckpointError where the run cannot be continued.
+    """
+    changes = [override for override in overrides if not override.startswith("resume=")]
+    for change in changes:
+        if not change.startswith(("run.iterations=", "logger.")):
+            raise ConfigError(
+                f"override {change!r} beside resume={folder}: a run continues with its own configuration, in which "
+                "only run.iterations and logger.* may change; leave it out, or start a new run"
+            )
+    config = load_run_config(folder, changes)
+    checkpoint = load_checkpoint(folder)
+    with _training(config) as training:
+        runner = Runner(training, config, folder)
+        _restore(runner, checkpoint)
+        with _logger(runner, resume_from=runner.iteration) as logger:
+            _run(runner, logger)
+    return folder
+
+
+@contextmanager
+def _training(config: Config) -> Iterator[Training]:
     set_threads(config.sim.threads)
     seed_everything(config.seed)
-    checkpoint = load_checkpoint(resumed) if resumed is not None else None
     training = build_training(config)
     try:
-        if resumed is None:
-            warm_start(training, config)
-            folder = new_run_folder(Path(config.output_dir), f"{config.variant}-seed{config.seed}")
-        else:
-            folder = resumed
-        runner = Runner(training, config, folder)
-        if checkpoint is None:
-            runner.start()
-        else:
-            _restore(runner, checkpoint)
-        _run(runner, config, resume_from=runner.iteration if checkpoint is not None else None)
+        yield training
     finally:
         training.env.close()
-    return folder
 
 
 def set_threads(threads: int) -> None:
@@ -56,16 +82,18 @@ def set_threads(threads: int) -> None:
         torch.set_num_threads(threads)
 
 
-def _run(runner: Runner, config: Config, resume_from: int | None) -> None:
-    identity = RunIdentity(runner.folder, group=config.variant, tags=[f"seed{config.seed}"])
-    steps = config.run.rollout_steps * config.sim.num_envs
+def _logger(runner: Runner, resume_from: int | None = None) -> RunLogger:
+    config = runner.config
     print(f"run folder: {runner.folder}", flush=True)
+    identity = RunIdentity(runner.folder, group=config.variant, tags=[f"seed{config.seed}"])
+    return RunLogger(identity, config.logger, as_yaml(config), resume_from)
+
+
+def _run(runner: Runner, logger: RunLogger) -> None:
+    run = runner.config.run
     print(f"preloaded transitions: {_preloaded(runner.training)}", flush=True)
-    with (
-        RunLogger(identity, config.logger, as_yaml(config), resume_from) as logger,
-        Progress(config.run.iterations, steps) as progress,
-        _stop_signals() as stopping,
-    ):
+    steps = run.rollout_steps * runner.config.sim.num_envs
+    with Progress(run.iterations, steps) as progress, _stop_signals() as stopping:
         runner.train(logger, progress, lambda: bool(stopping))
     if stopping:
         print(f"stopped at iteration {runner.iteration}; continue with: python -m camp.train resume={runner.folder}")

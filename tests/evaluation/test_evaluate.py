@@ -42,7 +42,7 @@ def recording(shown: dict[str, str]) -> Recording:
         joint_target=joints,
         joint_position=joints,
         qpos=np.zeros((rows, STEPS, 19)),
-        fallen=np.zeros(rows, dtype=bool),
+        steps_upright=np.full(rows, STEPS),
     )
 
 
@@ -53,6 +53,7 @@ def test_right_gaits_score_fully():
     assert summary["all"]["linear_error_m_s"] == pytest.approx(0.1)
     assert summary["all"]["linear_error_fast_m_s"] == pytest.approx(0.1)
     assert summary["all"]["joint_tracking"]["thigh"] == 1.0
+    np.testing.assert_allclose(summary["skills"]["trot"]["phase"], [0.0, 0.5, 0.5, 0.0], atol=0.01)
 
 
 def test_wrong_gaits_stand_in_the_confusion_matrix():
@@ -64,7 +65,7 @@ def test_wrong_gaits_stand_in_the_confusion_matrix():
 
 def test_a_fall_is_no_gait():
     fell = recording({skill: skill for skill in SKILLS})
-    fell.fallen[0] = True
+    fell.steps_upright[0] = 300
     summary = summarize(fell, SKILLS, 2.0)
     assert summary["skills"]["trot"]["gait_accuracy"] == 0.5 and summary["skills"]["trot"]["falls"] == 1
     assert summary["confusion"]["trot"]["fell"] == 1

@@ -1,4 +1,4 @@
-"""Schema of conf/env: types, units, ranges. Values live in the YAML; ``check`` says which key is wrong and what to do."""
+"""Schema of conf/env: types, units, ranges; ``check`` says which key is wrong and what to do."""
 
 from __future__ import annotations
 
@@ -90,14 +90,8 @@ class RandomizationConfig:
     def check(self) -> None:
         checks.positive("env.randomization.nominal_friction", self.nominal_friction)
         checks.interval("env.randomization.payload_position_m", self.payload_position_m)
-        for name in (
-            "link_mass_scale",
-            "payload_mass_kg",
-            "friction",
-            "motor_strength_scale",
-            "kp_scale",
-            "kd_scale",
-        ):
+        checks.not_negative_interval("env.randomization.payload_mass_kg", self.payload_mass_kg)
+        for name in ("link_mass_scale", "friction", "motor_strength_scale", "kp_scale", "kd_scale"):
             checks.positive_interval(f"env.randomization.{name}", getattr(self, name))
 
 

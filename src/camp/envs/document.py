@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from camp.compose import compose_config
 from camp.envs import observations
-from camp.envs.measurement import AMP_STATE_SIZE
+from camp.envs.measurement import AMP_ENTRIES, AMP_STATE_SIZE
 
 TEXT = """\
 # Observations
@@ -27,14 +27,7 @@ ablation hides it.
 
 ## Discriminators: pairs of AMP states, {amp_size} numbers each
 
-| index | entry | size | unit | frame |
-|---|---|---|---|---|
-| 0..11 | `joint_position` | 12 | rad | joint |
-| 12..23 | `joint_velocity` | 12 | rad/s | joint |
-| 24..26 | `base_linear_velocity` | 3 | m/s | base |
-| 27..29 | `base_angular_velocity` | 3 | rad/s | base |
-| 30 | `base_height` | 1 | m | world |
-| 31..42 | `foot_position` | 12 | m | base |
+{amp}
 """
 
 
@@ -50,7 +43,16 @@ def document() -> str:
         privileged_size=observations.size(privileged),
         privileged=observations.table(privileged),
         amp_size=AMP_STATE_SIZE,
+        amp=_amp_table(),
     )
+
+
+def _amp_table() -> str:
+    rows, start = ["| index | entry | size | unit | frame |", "|---|---|---|---|---|"], 0
+    for name, size, unit, frame in AMP_ENTRIES:
+        rows.append(f"| {start}..{start + size - 1} | `{name}` | {size} | {unit} | {frame} |")
+        start += size
+    return "\n".join(rows)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,16 @@ from torch import Tensor
 from camp.robots.kinematics import foot_position
 from camp.sim.base import RobotState
 
-AMP_STATE_SIZE = 43
+# The state of the discriminators (paper, Sec. III-C, in its order): entry, size, unit, frame.
+AMP_ENTRIES = (
+    ("joint_position", 12, "rad", "joint"),
+    ("joint_velocity", 12, "rad/s", "joint"),
+    ("base_linear_velocity", 3, "m/s", "base"),
+    ("base_angular_velocity", 3, "rad/s", "base"),
+    ("base_height", 1, "m", "world"),
+    ("foot_position", 12, "m", "base"),
+)
+AMP_STATE_SIZE = sum(size for _, size, _, _ in AMP_ENTRIES)
 CONTACT_FORCE = 1.0  # N, least ground reaction that counts as contact
 
 
@@ -41,8 +50,7 @@ class Measurement:
     body_force: Tensor  # (N, 5) N, magnitude on base and thighs
 
     def amp_state(self) -> Tensor:
-        """s_t of the discriminators, (N, 43): joint positions and velocities, base linear and angular velocity,
-        base height, foot positions (paper, Sec. III-C, in that order)."""
+        """s_t of the discriminators, (N, 43), laid out as in AMP_ENTRIES."""
         parts = (
             self.joint_position,
             self.joint_velocity,

@@ -14,7 +14,7 @@ from camp.data import Step
 from camp.envs import initialization, observations
 from camp.envs.commands import sample_commands, sample_skills, uniform
 from camp.envs.config import EnvConfig
-from camp.envs.measurement import Measurement, measure
+from camp.envs.measurement import AMP_STATE_SIZE, Measurement, measure
 from camp.envs.randomization import sample_dynamics
 from camp.envs.rewards import angular_velocity_reward, linear_velocity_reward
 from camp.envs.terminations import failed
@@ -70,7 +70,7 @@ class QuadrupedEnv(VectorEnv):
         self.skill = torch.zeros(num, dtype=torch.int64, device=device)
         self.last_action = torch.zeros(num, go2.NUM_JOINTS, device=device)
         self.dynamics = Dynamics.nominal(num, config.randomization.nominal_friction, device)
-        self.amp_state = torch.zeros(num, 43, device=device)
+        self.amp_state = torch.zeros(num, AMP_STATE_SIZE, device=device)
         self.num_diverged = 0  # simulations that ended in a non-finite state since construction
         self.observation = torch.zeros(num, observations.size(self.actor_entries), device=device)
         self.privileged = torch.zeros(num, observations.size(self.privileged_entries), device=device)
@@ -122,9 +122,8 @@ class QuadrupedEnv(VectorEnv):
         self.observation, self.privileged = final_observation, final_privileged
         ended = (terminated | truncated).nonzero().squeeze(1)
         if len(ended) > 0:
-            observation, privileged = self._observe(self._restart(ended))
             self.observation, self.privileged = final_observation.clone(), final_privileged.clone()
-            self.observation[ended], self.privileged[ended] = observation[ended], privileged[ended]
+            self.observation[ended], self.privileged[ended] = self._observe(self._restart(ended), ended)
         weights = self.config.reward
         return Step(
             observation=self.observation,
@@ -139,7 +138,9 @@ class QuadrupedEnv(VectorEnv):
             transition=transition,
             skill=skill,
             command=command,
-            velocity=torch.cat([measurement.linear_velocity[:, :2], measurement.angular_velocity[:, 2:]], dim=1),
+            velocity=torch.cat(
+                [measurement.linear_velocity[:, :2], measurement.angular_velocity[:, 2:]], dim=1
+            ).nan_to_num(0.0),
             foot_contact=measurement.foot_contact,
         )
 
@@ -174,7 +175,7 @@ class QuadrupedEnv(VectorEnv):
         return max(1, round(seconds / self.sim.control_period))
 
     def _restart(self, env_ids: Tensor) -> Measurement:
-        """New dynamics, skill and initial state for the robots ``env_ids`` (n,); measures all robots afterwards."""
+        """New dynamics, skill and initial state for the robots ``env_ids`` (n,); their measurement afterwards."""
         num, init = len(env_ids), self.config.initialization
         dynamics = sample_dynamics(num, self.config.randomization, self._generator)
         self.dynamics.assign(env_ids, dynamics)
@@ -199,8 +200,8 @@ class QuadrupedEnv(VectorEnv):
         self.last_action[env_ids] = previous_action * at_reference[:, None]
         self.step_count[env_ids] = 0
         self.amp_state = self.amp_state.clone()
-        measurement = measure(self.sim.state)
-        self.amp_state[env_ids] = measurement.amp_state()[env_ids]
+        measurement = measure(self.sim.state.take(env_ids))
+        self.amp_state[env_ids] = measurement.amp_state()
         return measurement
 
     def _draw_commands(self) -> None:
@@ -236,10 +237,16 @@ class QuadrupedEnv(VectorEnv):
         }
         return {name: term.nan_to_num(0.0) for name, term in terms.items()}
 
-    def _observe(self, measurement: Measurement) -> tuple[Tensor, Tensor]:
-        """The policy's observation with sensor noise, and the critic's privileged part without."""
-        skill = torch.nn.functional.one_hot(self.skill, self.num_skills).float() * self.config.observe_skill
-        situation = observations.Situation(measurement, self.command, self.last_action, skill, self.dynamics)
+    def _observe(self, measurement: Measurement, env_ids: Tensor | None = None) -> tuple[Tensor, Tensor]:
+        """The policy's observation with sensor noise, and the critic's privileged part without.
+
+        ``measurement`` is of the robots ``env_ids``, None for all.
+        """
+        rows = slice(None) if env_ids is None else env_ids
+        skill = torch.nn.functional.one_hot(self.skill[rows], self.num_skills).float() * self.config.observe_skill
+        situation = observations.Situation(
+            measurement, self.command[rows], self.last_action[rows], skill, self.dynamics.take(rows)
+        )
         observation = observations.observe(self.actor_entries, situation)
         if self.config.noise.enabled:
             observation += self._noise * uniform((-1.0, 1.0), tuple(observation.shape), self._generator)

@@ -8,6 +8,7 @@ from typing import Any, cast
 from omegaconf import MISSING, DictConfig, OmegaConf
 
 from camp import checks
+from camp.config import without_hydra
 
 
 @dataclass
@@ -52,8 +53,7 @@ class EvaluationConfig:
 
 def resolve_evaluation(config: DictConfig) -> EvaluationConfig:
     """The typed and checked configuration behind a composed one."""
-    plain = OmegaConf.create({key: config._get_node(key) for key in config if key != "hydra"})
-    merged = OmegaConf.merge(OmegaConf.structured(EvaluationConfig), plain)
+    merged = OmegaConf.merge(OmegaConf.structured(EvaluationConfig), without_hydra(config))
     typed = cast(EvaluationConfig, OmegaConf.to_object(merged))
     typed.check()
     return typed

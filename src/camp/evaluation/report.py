@@ -24,7 +24,7 @@ def summarize(recording: Recording, skills: tuple[str, ...], discard_s: float) -
     """Numbers of one policy over the grid, per skill and over all; plain values, ready for JSON.
 
     Velocity errors compare the mean velocity after ``discard_s`` with the command, in m/s and rad/s; a robot that
-    fell counts with its error but as no gait.
+    fell counts with velocity 0 from there on, and as no gait.
     """
     first = round(discard_s / recording.period_s)
     grid = slice(0, -1)
@@ -48,6 +48,7 @@ def summarize(recording: Recording, skills: tuple[str, ...], discard_s: float) -
             "gait_accuracy": float((label == wanted)[chosen].mean()),
             "stepping": float((gait.stepping.all(axis=1) & ~fallen)[chosen].mean()),
             "frequency_hz": _mean(gait.frequency_hz[upright]),
+            "phase": [_circular_mean(gait.phase[upright, leg]) for leg in range(4)],
             "duty": _mean(gait.duty[upright]),
             "flight_fraction": _mean(gait.flight_fraction[upright]),
             "linear_error_m_s": float(error.linear[chosen].mean()),
@@ -83,13 +84,18 @@ def summarize_switching(recording: Recording, skills: tuple[str, ...]) -> dict[s
 
 
 def arrays(recording: Recording, skills: tuple[str, ...], commands: list[list[float]]) -> dict[str, np.ndarray]:
-    """What eval.npz holds for the analysis (see docs/evaluation.md)."""
-    shape = (len(skills), len(commands), *recording.contact.shape[1:])
+    """What eval.npz holds for the analysis: the grid by skill and command (K, G, ...), and the switching sequence."""
+    grid = (len(skills), len(commands))
+    gait = measure_gait(recording.contact[:-1], recording.period_s)
     return {
         "period": np.array(recording.period_s),
         "skills": np.array(skills),
         "commands": np.array(commands, dtype=np.float32),
-        "contact": recording.contact[:-1].reshape(shape),
+        "contact": recording.contact[:-1].reshape(*grid, -1, 4),
+        "steps_upright": recording.steps_upright[:-1].reshape(grid),
+        "phase": gait.phase.reshape(*grid, 4),
+        "frequency_hz": gait.frequency_hz.reshape(grid),
+        "switch_steps_upright": recording.steps_upright[-1],
         "skill_switch_contact": recording.contact[-1],
         "skill_switch_skill": recording.skill[-1],
         "skill_switch_joint_position": recording.joint_position[-1],
@@ -140,6 +146,13 @@ def table(policies: dict[str, dict[str, Any]]) -> Table:
 def _by_kind(accuracy: np.ndarray) -> dict[str, float]:
     """Mean over roll-outs and legs of (R, 12), per kind of joint; empty where there are no roll-outs."""
     return {k: float(v) for k, v in by_joint_kind(accuracy.mean(axis=0)).items()} if len(accuracy) else {}
+
+
+def _circular_mean(phase: np.ndarray) -> float | None:
+    """Mean of phases in strides, in [0, 1); None where no finite one is given."""
+    finite = phase[np.isfinite(phase)]
+    angle = np.angle(np.exp(2j * np.pi * finite).sum()) if finite.size else np.nan
+    return float(angle / (2 * np.pi) % 1.0) if finite.size else None
 
 
 def _mean(values: np.ndarray) -> float | None:

@@ -23,7 +23,7 @@ Policy = Callable[[Tensor], Tensor]  # observation (N, O) -> action (N, 12)
 class Recording:
     """What K skills x G commands and the switching sequence did over T control steps; the switch comes last.
 
-    R = K G + 1 robots. Rows after a robot's first fall belong to a restarted robot and must not be read.
+    R = K G + 1 robots. From its first fall on a robot counts as lying still: velocity 0, no contacts, last pose.
     """
 
     period_s: float
@@ -34,7 +34,12 @@ class Recording:
     joint_target: NDArray[np.floating]  # (R, T, 12) rad, held during the step
     joint_position: NDArray[np.floating]  # (R, T, 12) rad, at its end
     qpos: NDArray[np.floating]  # (R, T, 19) for pictures
-    fallen: NDArray[np.bool_]  # (R,)
+    steps_upright: NDArray[np.integer]  # (R,) T where it never fell
+
+    @property
+    def fallen(self) -> NDArray[np.bool_]:
+        """(R,) robots that fell."""
+        return self.steps_upright < self.contact.shape[1]
 
 
 def evaluation_setting(config: Config, evaluation: EvaluationConfig) -> Config:
@@ -58,7 +63,7 @@ def roll_out(policy: Policy, config: Config, evaluation: EvaluationConfig, clips
     switch_skill = torch.arange(steps) * num_skills // steps
     env = build_env(evaluation_setting(config, evaluation), clips, num_envs=len(command))
     kept: dict[str, list[Tensor]] = {name: [] for name in _RECORDED}
-    fallen = torch.zeros(len(command), dtype=torch.bool)
+    steps_upright = torch.full((len(command),), steps)
     try:
         env.reset(seed=config.seed, options={"stagger": False})
         for step in range(steps):
@@ -68,7 +73,7 @@ def roll_out(policy: Policy, config: Config, evaluation: EvaluationConfig, clips
                 action = policy(observation)
             result = env.advance(action)
             state = env.sim.state
-            fallen |= result.terminated
+            steps_upright = torch.where(result.terminated, steps_upright.clamp(max=step), steps_upright)
             target = env.default_pose + config.robot.action_scale * action
             values = (
                 skill,
@@ -84,7 +89,12 @@ def roll_out(policy: Policy, config: Config, evaluation: EvaluationConfig, clips
     finally:
         env.close()
     arrays = {name: torch.stack(values, dim=1).numpy() for name, values in kept.items()}
-    return Recording(period_s=config.env.control_period_s, fallen=fallen.numpy(), **arrays)
+    for robot, upright in enumerate(steps_upright.tolist()):
+        arrays["velocity"][robot, upright:] = 0.0
+        arrays["contact"][robot, upright:] = False
+        for name in ("joint_target", "joint_position", "qpos"):  # what follows is the restarted robot's
+            arrays[name][robot, upright:] = arrays[name][robot, max(upright - 1, 0)]
+    return Recording(config.env.control_period_s, steps_upright=steps_upright.numpy(), **arrays)
 
 
 _RECORDED = ("skill", "command", "velocity", "contact", "joint_target", "joint_position", "qpos")

@@ -29,7 +29,7 @@ _COMMANDS: tuple[tuple[float, float, float], ...] = (
 _FASTEST_SLOW_PRONK = 0.8  # m/s
 # A pronk at 3 Hz lands late when it moves in two ways at once: its contacts leave the schedule.
 _COMPOSITE_FAST_PRONK = 0.7  # times the command
-# Ranges of random commands, a little wider than what the policy is asked for.
+# Ranges of random commands, about as wide as what the policy is asked for (conf/env).
 _RANDOM_LOW, _RANDOM_HIGH = np.array([-0.5, -0.25, -0.7]), np.array([0.9, 0.25, 0.7])
 _STRAIGHT_SHARE, _IN_PLACE_SHARE = 0.4, 0.1
 

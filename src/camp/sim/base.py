@@ -27,6 +27,10 @@ class RobotState:
     foot_force: Tensor  # (N, 4, 3) N, ground on foot, world frame
     body_force: Tensor  # (N, 5, 3) N, ground on base and the four thighs, world frame
 
+    def take(self, rows: Tensor | slice) -> Self:
+        """The robots ``rows``."""
+        return type(self)(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+
     def qpos(self) -> Tensor:
         """(N, 19) MuJoCo's generalized position: base position, base quaternion, joint positions."""
         return torch.cat([self.base_position, self.base_quaternion, self.joint_position], dim=1)
@@ -83,9 +87,9 @@ class Dynamics:
         for name, tensor in self.tensors().items():
             tensor[env_ids] = getattr(other, name)
 
-    def flat(self) -> Tensor:
-        """Every parameter side by side, (n, 13 + 1 + 3 + 1 + 12 + 12 + 12)."""
-        return torch.cat([t if t.ndim == 2 else t.unsqueeze(1) for t in self.tensors().values()], dim=1)
+    def take(self, rows: Tensor | slice) -> Self:
+        """The robots ``rows``."""
+        return type(self)(**{name: tensor[rows] for name, tensor in self.tensors().items()})
 
 
 class Simulator(Protocol):
