@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from hydra import compose, initialize_config_dir
 from hydra.core.config_search_path import ConfigSearchPath
+from hydra.core.global_hydra import GlobalHydra
 from hydra.core.plugins import Plugins
 from hydra.plugins.search_path_plugin import SearchPathPlugin
 
@@ -31,5 +32,11 @@ def compose_config(overrides: Sequence[str] = ()) -> Config:
     Raises Hydra's and OmegaConf's errors for overrides that do not fit, ConfigError for values out of range.
     """
     register_ablations()
-    with initialize_config_dir(str(config_root()), version_base="1.3"):
-        return resolve(compose("train", overrides=list(overrides)))
+    # A command line may be under way, and Hydra knows only one composition at a time.
+    under_way = GlobalHydra.instance().hydra
+    GlobalHydra.instance().clear()
+    try:
+        with initialize_config_dir(str(config_root()), version_base="1.3"):
+            return resolve(compose("train", overrides=list(overrides)))
+    finally:
+        GlobalHydra.instance().hydra = under_way

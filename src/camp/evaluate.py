@@ -22,9 +22,12 @@ from camp.rendering import RobotRenderer, write_video
 from camp.robots import go2
 from camp.seeding import generator
 
+TABLE_WIDTH = 120  # characters, where the output is not a terminal
+STEPS_PER_FRAME = 2  # 25 frames per second
+
 
 def evaluate(composed: DictConfig) -> Path:
-    """Roll out the run's policy beside two that cannot walk; write eval.json, eval.npz and videos."""
+    """Roll out the run's policy beside two that do not walk; write eval.json, eval.npz and videos."""
     evaluation = resolve_evaluation(composed)
     folder = Path(evaluation.run)
     run = load_run(folder)
@@ -48,7 +51,8 @@ def evaluate(composed: DictConfig) -> Path:
     }
     write_text(folder / "eval.json", json.dumps(report, indent=2) + "\n")
     _write_arrays(folder / "eval.npz", arrays(recording, run.skills, evaluation.commands))
-    Console().print(table(summaries))
+    console = Console() if sys.stdout.isatty() else Console(width=TABLE_WIDTH)
+    console.print(table(summaries))
     print(f"wrote {folder / 'eval.json'} and {folder / 'eval.npz'}", flush=True)
     if evaluation.video:
         _film(run, recording, evaluation, folder / "videos")
@@ -67,7 +71,8 @@ def _film(run: Run, recording: Recording, evaluation: EvaluationConfig, folder: 
     rows = {name: k * len(evaluation.commands) + evaluation.video_command for k, name in enumerate(run.skills)}
     films = {name: recording.qpos[row, :steps] for name, row in rows.items()} | {"switching": recording.qpos[-1]}
     for name, film in films.items():
-        write_video(folder / f"{name}.mp4", map(renderer.frame, film), 1.0 / recording.period_s)
+        frames = map(renderer.frame, film[::STEPS_PER_FRAME])
+        write_video(folder / f"{name}.mp4", frames, 1.0 / (STEPS_PER_FRAME * recording.period_s))
         print(f"wrote {folder / f'{name}.mp4'}", flush=True)
     renderer.close()
 

@@ -106,7 +106,7 @@ def arrays(recording: Recording, skills: tuple[str, ...], commands: list[list[fl
 
 
 def table(policies: dict[str, dict[str, Any]]) -> Table:
-    """One row per policy and skill."""
+    """One row per policy, for the first one also a row per skill."""
     result = Table(title="evaluation")
     headings = (
         "policy",
@@ -123,8 +123,9 @@ def table(policies: dict[str, dict[str, Any]]) -> Table:
     )
     for column, heading in enumerate(headings):
         result.add_column(heading, justify="left" if column < 2 else "right")
-    for policy, summary in policies.items():
-        for skill, part in (summary["skills"] | {"all": summary["all"]}).items():
+    for number, (policy, summary) in enumerate(policies.items()):
+        skills = summary["skills"] if number == 0 else {}
+        for skill, part in (skills | {"all": summary["all"]}).items():
             joint = part["joint_tracking"]
             result.add_row(
                 policy,
