@@ -54,6 +54,8 @@ def test_switches_of_the_baseline():
         ("robot.kp=[30,30]", ("robot.kp", "[30.0, 30.0]", "three")),
         ("motion.skills=[trot,gallop]", ("motion.skills", "gallop", "pronk")),
         ("motion.skills=[trot,trot]", ("motion.skills", "trot", "once")),
+        ("motion.labels=colour", ("motion.labels", "colour", "gait_frequency")),
+        ("motion.frequencies_hz=[2,2]", ("motion.frequencies_hz", "2.0", "once")),
         ("algo.ppo.clip=0", ("algo.ppo.clip", "0", "above 0")),
         ("run.iterations=0", ("run.iterations", "0", "1 or more")),
         ("seed=-1", ("seed", "-1", "0 or more")),

@@ -8,8 +8,9 @@ import torch
 from camp.data import Step
 from camp.gait_monitor import GaitMonitor
 from camp.motion.gaits import GAIT_PHASES
+from camp.motion.skills import skill_set
 
-SKILLS = ("trot", "pace", "bound", "pronk")
+SKILLS = skill_set(("trot", "pace", "bound", "pronk"), "gait", ())
 
 
 def step(contact: torch.Tensor, skill: torch.Tensor, ended: torch.Tensor) -> Step:

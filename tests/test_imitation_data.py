@@ -42,6 +42,13 @@ def test_a_hidden_skill_is_hidden_from_imitation_too(config, clips):
     assert (data.observation[:, 45:] == 0).all()
 
 
+def test_clips_that_show_no_skill_are_left_out(config, clips):
+    config.motion.labels, config.motion.frequencies_hz = "gait_frequency", [3.0]
+    two = [next(c for c in clips if c.frequency_hz == f) for f in (2.0, 3.0)]
+    data = imitation_data(two, config, torch.device("cpu"))
+    assert data.observation.shape == (len(two[1]) - 1, 45 + 4)
+
+
 def test_the_applied_targets_replay_the_clip(config, clips):
     """Actions taken from a clip, through the environment's own action scale and PD, reproduce its motion."""
     config.env.initialization.reference_share = 1.0

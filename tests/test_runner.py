@@ -94,11 +94,19 @@ def test_ablations_build_only_what_they_keep(config):
     assert build_training(config).priors == []
 
 
+def test_gaits_at_each_frequency_are_skills_of_their_own(config, tmp_path):
+    config.motion.labels, config.run.iterations = "gait_frequency", 1
+    config.motion.skills = ["trot", "bound"]
+    runner = run_for(config, tmp_path)
+    assert runner.training.env.observation.shape == (8, 45 + 4)
+    assert load_run(tmp_path).skills == ("trot_2hz", "trot_3hz", "bound_2hz", "bound_3hz")
+
+
 def test_time_outs_are_bootstrapped_with_the_final_observation(config):
     config.env.episode_s = 0.06  # every third step ends all episodes
     training = build_training(config)
     training.env.reset(seed=0, options={"stagger": False})
-    monitor = GaitMonitor(config.motion.skills, 8, 1.0, 0.02, training.device)
+    monitor = GaitMonitor(config.motion.skill_set(), 8, 1.0, 0.02, training.device)
     finals = []
     advance = training.env.advance
 
@@ -121,7 +129,7 @@ def test_time_outs_are_bootstrapped_with_the_final_observation(config):
 def test_rollout_shapes(config):
     training = build_training(config)
     training.env.reset()
-    monitor = GaitMonitor(config.motion.skills, 8, 1.0, 0.02, training.device)
+    monitor = GaitMonitor(config.motion.skill_set(), 8, 1.0, 0.02, training.device)
     rollout, metrics = Collector(training.env, training.ppo, monitor, training.device).collect(
         4, torch.Generator().manual_seed(0)
     )

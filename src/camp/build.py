@@ -20,6 +20,7 @@ from camp.envs.quadruped import QuadrupedEnv
 from camp.errors import CheckpointError, ConfigError
 from camp.motion.clips import Clip, load_clips
 from camp.motion.sampler import Demonstrations, ReferenceStates
+from camp.motion.skills import label_of, names
 from camp.paths import assets_root
 from camp.robots import go2
 from camp.seeding import generator
@@ -47,7 +48,7 @@ class Run:
     config: Config
     iteration: int
     actor: GaussianActor
-    skills: tuple[str, ...]
+    skills: tuple[str, ...]  # names in label order
     skill_prior: SkillPrior | None  # None where an ablation trained without
     clips: list[Clip]
 
@@ -55,6 +56,13 @@ class Run:
 def motion_folder(config: Config) -> Path:
     """Where the expert clips lie: the configured folder, or the shipped one."""
     return Path(config.motion.folder) if config.motion.folder else assets_root() / "motions" / "go2"
+
+
+def expert_clips(config: Config) -> list[Clip]:
+    """The clips that show one of the configured skills. Raises ClipError where a gait has none."""
+    skills = config.motion.skill_set()
+    clips = load_clips(motion_folder(config), config.motion.skills)
+    return [clip for clip in clips if label_of(clip.gait, clip.frequency_hz, skills) is not None]
 
 
 def build_simulator(config: Config, num_envs: int | None = None) -> Simulator:
@@ -78,7 +86,7 @@ def build_env(config: Config, clips: list[Clip], num_envs: int | None = None) ->
         sim,
         config.env,
         config.robot.action_scale,
-        ReferenceStates(clips, config.motion.skills, sim.device),
+        ReferenceStates(clips, config.motion.skill_set(), sim.device),
         generator(config.seed, "environment", sim.device),
     )
 
@@ -86,9 +94,9 @@ def build_env(config: Config, clips: list[Clip], num_envs: int | None = None) ->
 def build_training(config: Config) -> Training:
     """Everything that trains. Raises CampError where clips or devices are missing."""
     device = learner_device(config.device)
-    clips = load_clips(motion_folder(config), config.motion.skills)
+    clips, skills = expert_clips(config), config.motion.skill_set()
     weights = generator(config.seed, "weights")
-    embedding = SkillEmbedding(len(config.motion.skills), config.algo.embedding_size, weights).to(device)
+    embedding = SkillEmbedding(len(skills), config.algo.embedding_size, weights).to(device)
     return Training(
         env=build_env(config, clips),
         ppo=PPO(
@@ -99,7 +107,7 @@ def build_training(config: Config) -> Training:
         priors=_build_priors(config, embedding, weights),
         demonstrations=Demonstrations(
             clips,
-            config.motion.skills,
+            skills,
             config.motion.num_preloaded,
             generator(config.seed, "preloading"),
             device,
@@ -112,7 +120,7 @@ def build_training(config: Config) -> Training:
 
 def build_actor(config: Config, weights: torch.Generator) -> GaussianActor:
     """The policy network, on the CPU."""
-    observation = size(actor_entries(len(config.motion.skills)))
+    observation = size(actor_entries(len(config.motion.skill_set())))
     return GaussianActor(observation, go2.NUM_JOINTS, config.algo.actor, weights)
 
 
@@ -120,7 +128,7 @@ def load_run(folder: Path) -> Run:
     """The latest checkpoint of a run folder, as networks. Raises CampError where it is missing or damaged."""
     config = load_run_config(folder)
     state = load_checkpoint(folder)
-    skills = tuple(config.motion.skills)
+    skills = names(config.motion.skill_set())
     weights = generator(config.seed, "weights")
     actor = build_actor(config, weights)
     skill_prior = None
@@ -135,8 +143,7 @@ def load_run(folder: Path) -> Run:
         raise CheckpointError(
             f"run folder {folder}: its checkpoint does not fit its config.yaml ({reason}); restore the original file"
         ) from error
-    clips = load_clips(motion_folder(config), config.motion.skills)
-    return Run(config, int(state["iteration"]), actor, skills, skill_prior, clips)
+    return Run(config, int(state["iteration"]), actor, skills, skill_prior, expert_clips(config))
 
 
 def _check_period(config: Config, clips: list[Clip]) -> None:
@@ -150,12 +157,12 @@ def _check_period(config: Config, clips: list[Clip]) -> None:
 
 
 def _build_critic(config: Config, weights: torch.Generator) -> Critic:
-    inputs = size(actor_entries(len(config.motion.skills))) + size(privileged_entries())
+    inputs = size(actor_entries(len(config.motion.skill_set()))) + size(privileged_entries())
     return Critic(inputs, config.algo.critic, weights)
 
 
 def _build_priors(config: Config, embedding: SkillEmbedding, weights: torch.Generator) -> list[Prior]:
-    algo, skills = config.algo, tuple(config.motion.skills)
+    algo, skills = config.algo, names(config.motion.skill_set())
     priors: list[Prior] = []
     if algo.style.enabled:
         priors.append(StylePrior(algo.style, embedding, skills, AMP_STATE_SIZE, weights))

@@ -19,6 +19,7 @@ from camp.envs.config import EnvConfig
 from camp.errors import ConfigError
 from camp.logger import LoggerConfig
 from camp.motion.gaits import GAIT_PHASES
+from camp.motion.skills import LABELS, Skill, skill_set
 from camp.robots import go2
 
 
@@ -60,10 +61,16 @@ class MotionConfig:
     """conf/motion: the expert clips and the skills they teach."""
 
     folder: str | None = MISSING  # None: the clips shipped with the package
-    skills: list[str] = MISSING  # gaits; a skill's label is its place in this list
+    skills: list[str] = MISSING  # gaits
+    labels: str = MISSING  # gait: a skill is a gait; gait_frequency: a gait at one stride frequency
+    frequencies_hz: list[float] = MISSING  # stride frequencies of the clips that are used
     num_preloaded: int = MISSING  # transitions
     perturbed_folder: str | None = MISSING  # None: one below <output_dir>/motions
     perturbed_clips: int = MISSING  # for the warm start by imitation
+
+    def skill_set(self) -> tuple[Skill, ...]:
+        """The skills in label order."""
+        return skill_set(self.skills, self.labels, self.frequencies_hz)
 
     def check(self) -> None:
         skills = list(self.skills)
@@ -72,6 +79,10 @@ class MotionConfig:
         checks.require(len(skills) > 0, "motion.skills", skills, remedy)
         checks.require(not unknown, "motion.skills", skills, f"unknown gait {', '.join(unknown)}; {remedy}")
         checks.require(len(set(skills)) == len(skills), "motion.skills", skills, "name each gait once")
+        checks.require(self.labels in LABELS, "motion.labels", self.labels, f"choose one of {', '.join(LABELS)}")
+        frequencies = list(self.frequencies_hz)
+        holds = len(frequencies) > 0 and all(f > 0 for f in frequencies) and len(set(frequencies)) == len(frequencies)
+        checks.require(holds, "motion.frequencies_hz", frequencies, "list stride frequencies above 0, each once")
         checks.count("motion.num_preloaded", self.num_preloaded)
         checks.count("motion.perturbed_clips", self.perturbed_clips)
 

@@ -38,8 +38,8 @@ def evaluate(composed: DictConfig) -> Path:
         "standing": lambda observation: torch.zeros(len(observation), go2.NUM_JOINTS),
     }
     recordings = {name: roll_out(policy, run.config, evaluation, run.clips) for name, policy in policies.items()}
-    recording = recordings["trained"]
-    summaries = {name: summarize(one, run.skills, evaluation.discard_s) for name, one in recordings.items()}
+    recording, skills = recordings["trained"], run.config.motion.skill_set()
+    summaries = {name: summarize(one, skills, evaluation.discard_s) for name, one in recordings.items()}
     report = {
         "run": folder.name,
         "iteration": run.iteration,
@@ -47,10 +47,10 @@ def evaluate(composed: DictConfig) -> Path:
         "duration_s": evaluation.duration_s,
         "discard_s": evaluation.discard_s,
         "policies": summaries,
-        "switching": summarize_switching(recording, run.skills),
+        "switching": summarize_switching(recording, skills),
     }
     write_text(folder / "eval.json", json.dumps(report, indent=2) + "\n")
-    _write_arrays(folder / "eval.npz", arrays(recording, run.skills, evaluation.commands))
+    _write_arrays(folder / "eval.npz", arrays(recording, skills, evaluation.commands))
     console = Console() if sys.stdout.isatty() else Console(width=TABLE_WIDTH)
     console.print(table(summaries))
     print(f"wrote {folder / 'eval.json'} and {folder / 'eval.npz'}", flush=True)

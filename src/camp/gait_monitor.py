@@ -9,6 +9,7 @@ import torch
 
 from camp.data import Step
 from camp.metrics.gait import measure_gait
+from camp.motion.skills import Skill, performed
 
 MAX_READ = 256  # robots per reading; the metric costs some 0.1 ms each
 
@@ -17,14 +18,14 @@ class GaitMonitor:
     """Keeps the last foot contacts of every robot and compares the gait they show with the commanded one.
 
     Args:
-        skills: names in label order; gaits.
+        skills: in label order.
         num_envs: N.
         window_s: s of contacts that a reading looks at; a robot counts once it has followed one skill for that long.
         period_s: control period in s.
         device: where the environment's tensors live.
     """
 
-    def __init__(self, skills: Sequence[str], num_envs: int, window_s: float, period_s: float, device: torch.device):
+    def __init__(self, skills: Sequence[Skill], num_envs: int, window_s: float, period_s: float, device: torch.device):
         self.skills = tuple(skills)
         self._period = period_s
         steps = round(window_s / period_s)
@@ -49,12 +50,13 @@ class GaitMonitor:
             return {}
         contact = torch.roll(self._contact, -self._next, dims=0)[:, steady].transpose(0, 1)
         measured = measure_gait(contact.cpu().numpy(), self._period)
+        shown = performed(measured.label, measured.frequency_hz, self.skills)
         commanded = self._skill[steady].cpu().numpy()
         metrics = {"gait/stepping": float(measured.stepping.all(axis=1).mean())}
         for label, skill in enumerate(self.skills):
             chosen = commanded == label
             if chosen.any():
-                metrics[f"gait/{skill}/accuracy"] = float((measured.label[chosen] == skill).mean())
+                metrics[f"gait/{skill.name}/accuracy"] = float((shown[chosen] == skill.name).mean())
         return metrics
 
     def state_dict(self) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from camp.config import Config
 from camp.envs import observations
 from camp.envs.measurement import Measurement, rotate_inverse
 from camp.motion.clips import Clip
+from camp.motion.skills import label_of
 from camp.robots import go2
 from camp.sim.base import Dynamics
 
@@ -23,9 +24,14 @@ def imitation_data(clips: Sequence[Clip], config: Config, device: torch.device) 
     The first row is left out because the action before it is not known. The sensors' noise is left to the training,
     which draws it anew for every minibatch.
     """
-    skills = list(config.motion.skills)
+    skills = config.motion.skill_set()
     entries = observations.actor_entries(len(skills))
-    situations = [_situation(clip, skills.index(clip.gait), len(skills), config) for clip in clips]
+    labels = [label_of(clip.gait, clip.frequency_hz, skills) for clip in clips]
+    situations = [
+        _situation(clip, label, len(skills), config)
+        for clip, label in zip(clips, labels, strict=True)
+        if label is not None
+    ]
     observation = torch.cat([observations.observe(entries, situation) for situation in situations])
     noise = config.env.noise
     answer = _rows(np.concatenate([clip.joint_target[1:] for clip in clips]))

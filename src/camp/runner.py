@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from camp.config import Config
 from camp.data import Rollout
 from camp.gait_monitor import GaitMonitor
 from camp.logger import RunLogger
+from camp.motion.skills import names
 from camp.progress import Progress
 from camp.seeding import generator_state, global_state, restore_generator, restore_global_state
 
@@ -28,7 +29,7 @@ class Runner:
         self.training, self.config, self.folder = training, config, folder
         env = training.env
         self.monitor = GaitMonitor(
-            config.motion.skills,
+            config.motion.skill_set(),
             env.num_envs,
             config.run.gait_window_s,
             env.sim.control_period,
@@ -91,7 +92,7 @@ class Runner:
         self.iteration += 1
         metrics |= {f"reward/{name}/raw": float(term.mean()) for name, term in terms.items()}
         metrics |= {f"reward/{name}/weighted": weights[name] * float(term.mean()) for name, term in terms.items()}
-        metrics |= _per_skill(terms, rollout, self.config.motion.skills)
+        metrics |= _per_skill(terms, rollout, names(self.config.motion.skill_set()))
         if self.iteration % run.gait_every == 0:
             metrics |= self.monitor.read()
         metrics["time/collect_s"] = collected - started
@@ -138,7 +139,7 @@ class Runner:
         return terms
 
 
-def _per_skill(terms: dict[str, Tensor], rollout: Rollout, skills: list[str]) -> dict[str, float]:
+def _per_skill(terms: dict[str, Tensor], rollout: Rollout, skills: Sequence[str]) -> dict[str, float]:
     """Mean raw reward of every term while each skill was commanded."""
     metrics = {}
     for label, skill in enumerate(skills):

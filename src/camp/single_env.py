@@ -8,9 +8,8 @@ import gymnasium as gym
 import numpy as np
 import torch
 
-from camp.build import build_env, motion_folder
+from camp.build import build_env, expert_clips
 from camp.compose import compose_config
-from camp.motion.clips import load_clips
 from camp.rendering import RobotRenderer
 from camp.robots.go2 import load_model
 
@@ -33,8 +32,7 @@ class Go2Env(gym.Env):
             raise ValueError(f"render_mode {render_mode!r}: choose None or 'rgb_array'")
         self.render_mode = render_mode
         config = compose_config(["sim.threads=1", *overrides])
-        clips = load_clips(motion_folder(config), config.motion.skills)
-        self.batched = build_env(config, clips, num_envs=1)
+        self.batched = build_env(config, expert_clips(config), num_envs=1)
         self.observation_space = self.batched.single_observation_space
         self.action_space = self.batched.single_action_space
         self._renderer: RobotRenderer | None = None

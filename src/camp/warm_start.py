@@ -16,6 +16,7 @@ from camp.imitation_data import imitation_data
 from camp.motion.clips import Clip, load_clip
 from camp.motion.generate import generate_dataset
 from camp.motion.requests import ClipRequest, perturbed_requests
+from camp.motion.skills import label_of
 from camp.robots import go2
 from camp.seeding import generator
 
@@ -42,7 +43,12 @@ def warm_start(training: Training, config: Config) -> list[dict[str, float]]:
 def perturbed_clips(config: Config) -> list[Clip]:
     """The clips of conf/motion's ``perturbed_folder``, after generating the missing ones."""
     motion = config.motion
-    requests = [r for r in perturbed_requests(motion.perturbed_clips, PERTURBED_SEED) if r.gait in motion.skills]
+    skills = motion.skill_set()
+    requests = [
+        request
+        for request in perturbed_requests(motion.perturbed_clips, PERTURBED_SEED)
+        if label_of(request.gait, request.frequency_hz, skills) is not None
+    ]
     folder = Path(motion.perturbed_folder or Path(config.output_dir) / "motions" / f"perturbed-{_robot_version()}")
     folder.mkdir(parents=True, exist_ok=True)
     _generate_missing(requests, folder)

@@ -12,9 +12,11 @@ from camp.evaluate import evaluate
 from camp.evaluation.report import arrays, summarize, summarize_switching
 from camp.evaluation.rollout import Recording
 from camp.motion.gaits import GAIT_PHASES
+from camp.motion.skills import skill_set
 from camp.train import train
 
-SKILLS = ("trot", "pace", "bound", "pronk")
+GAITS = ("trot", "pace", "bound", "pronk")
+SKILLS = skill_set(GAITS, "gait", ())
 COMMANDS = [[0.5, 0.0, 0.0], [0.0, 0.0, 0.0]]
 STEPS = 500
 
@@ -29,8 +31,8 @@ def recording(shown: dict[str, str]) -> Recording:
     rows = len(SKILLS) * len(COMMANDS) + 1
     skill = np.repeat(np.repeat(np.arange(4), len(COMMANDS))[:, None], STEPS, axis=1)
     switch = np.arange(STEPS) * 4 // STEPS
-    contact = np.stack([contacts(shown[SKILLS[k]]) for k in skill[:, 0]])
-    in_turn = np.concatenate([contacts(name)[switch == k] for k, name in enumerate(SKILLS)])
+    contact = np.stack([contacts(shown[GAITS[k]]) for k in skill[:, 0]])
+    in_turn = np.concatenate([contacts(name)[switch == k] for k, name in enumerate(GAITS)])
     command = np.repeat(np.array([*COMMANDS * 4, [0.5, 0, 0]])[:, None], STEPS, axis=1)
     joints = np.sin(np.arange(STEPS) * 0.1)[None, :, None].repeat(rows, 0).repeat(12, 2)
     return Recording(
@@ -47,7 +49,7 @@ def recording(shown: dict[str, str]) -> Recording:
 
 
 def test_right_gaits_score_fully():
-    summary = summarize(recording({skill: skill for skill in SKILLS}), SKILLS, 2.0)
+    summary = summarize(recording({gait: gait for gait in GAITS}), SKILLS, 2.0)
     assert summary["all"]["gait_accuracy"] == 1.0 and summary["all"]["falls"] == 0
     assert summary["skills"]["bound"]["frequency_hz"] == pytest.approx(2.5, rel=0.03)
     assert summary["all"]["linear_error_m_s"] == pytest.approx(0.1)
@@ -63,8 +65,16 @@ def test_wrong_gaits_stand_in_the_confusion_matrix():
     assert summary["confusion"]["pronk"]["trot"] == 2 and summary["confusion"]["trot"]["trot"] == 2
 
 
+def test_skills_of_one_frequency_ask_for_that_frequency():
+    skills = skill_set(GAITS, "gait_frequency", (2.0,))  # what is shown steps at 2.5 Hz
+    summary = summarize(recording({gait: gait for gait in GAITS}), skills, 2.0)
+    assert summary["all"]["gait_accuracy"] == 0.0 and summary["confusion"]["trot_2hz"]["none"] == 2
+    near = skill_set(GAITS, "gait_frequency", (2.4,))
+    assert summarize(recording({gait: gait for gait in GAITS}), near, 2.0)["all"]["gait_accuracy"] == 1.0
+
+
 def test_a_fall_is_no_gait():
-    fell = recording({skill: skill for skill in SKILLS})
+    fell = recording({gait: gait for gait in GAITS})
     fell.steps_upright[0] = 300
     summary = summarize(fell, SKILLS, 2.0)
     assert summary["skills"]["trot"]["gait_accuracy"] == 0.5 and summary["skills"]["trot"]["falls"] == 1
@@ -72,13 +82,13 @@ def test_a_fall_is_no_gait():
 
 
 def test_switching_sequence_finds_every_gait():
-    result = summarize_switching(recording({skill: skill for skill in SKILLS}), SKILLS)
+    result = summarize_switching(recording({gait: gait for gait in GAITS}), SKILLS)
     assert not result["fell"]
     assert all(seconds is not None and seconds <= 1.0 for seconds in result["seconds_to_gait"].values())
 
 
 def test_arrays_have_the_shapes_the_analysis_reads():
-    saved = arrays(recording({skill: skill for skill in SKILLS}), SKILLS, COMMANDS)
+    saved = arrays(recording({gait: gait for gait in GAITS}), SKILLS, COMMANDS)
     assert saved["contact"].shape == (4, 2, STEPS, 4) and saved["contact"][2, 0].sum() == contacts("bound").sum()
     assert saved["skill_switch_contact"].shape == (STEPS, 4)
 

@@ -11,9 +11,10 @@ import torch
 from camp.errors import ClipError
 from camp.motion.clips import Clip, amp_state
 from camp.motion.sampler import Demonstrations, ReferenceStates
+from camp.motion.skills import Skill, skill_set
 from camp.robots.go2 import FOOT_NAMES, JOINT_NAMES
 
-SKILLS = ("trot", "pace", "bound")
+SKILLS = skill_set(("trot", "pace", "bound"), "gait", ())
 
 
 def rng(seed: int = 0) -> torch.Generator:
@@ -115,14 +116,14 @@ def test_preloading_and_sampling_follow_their_generators():
 
 def test_states_are_the_amp_states_of_the_clip():
     clip = make_clip(0, "trot", frames=3)
-    demonstrations = Demonstrations([clip], ("trot",), 100, rng())
+    demonstrations = Demonstrations([clip], (Skill("trot"),), 100, rng())
     order = demonstrations.transition.state[:, 0, 0].argsort()
     state = torch.from_numpy(amp_state(clip))
     assert torch.equal(demonstrations.transition.state[order], torch.stack([state[:-1], state[1:]], dim=1))
 
 
 def test_a_skill_without_clips_is_named_with_the_remedy():
-    skills = (*SKILLS, "pronk")
+    skills = (*SKILLS, Skill("pronk"))
     with pytest.raises(ClipError, match=r"'pronk'.*camp\.dataset"):
         Demonstrations(make_clips(), skills, 10, rng())
     with pytest.raises(ClipError, match=r"'pronk'.*camp\.dataset"):
@@ -131,7 +132,7 @@ def test_a_skill_without_clips_is_named_with_the_remedy():
 
 def test_unequal_frame_rates_are_refused():
     with pytest.raises(ClipError, match="dt"):
-        Demonstrations([make_clip(0, "trot"), make_clip(1, "trot", dt=0.01)], ("trot",), 10, rng())
+        Demonstrations([make_clip(0, "trot"), make_clip(1, "trot", dt=0.01)], (Skill("trot"),), 10, rng())
 
 
 def test_reference_states_belong_together_and_never_are_a_first_frame():

@@ -34,10 +34,11 @@ ablation hides it.
 def document() -> str:
     """The page, for the shipped configuration."""
     config = compose_config()
-    actor = observations.actor_entries(len(config.motion.skills))
+    num_skills = len(config.motion.skill_set())
+    actor = observations.actor_entries(num_skills)
     privileged = observations.privileged_entries()
     return TEXT.format(
-        num_skills=len(config.motion.skills),
+        num_skills=num_skills,
         actor_size=observations.size(actor),
         actor=observations.table(actor, config.env.noise),
         privileged_size=observations.size(privileged),

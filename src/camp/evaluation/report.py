@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,11 +17,12 @@ from camp.metrics.tracking import (
     mean_velocity,
     velocity_error,
 )
+from camp.motion.skills import NO_SKILL, Skill, names, performed
 
 FAST_COMMAND_M_S = 0.4  # commands from here on cannot be met by standing
 
 
-def summarize(recording: Recording, skills: tuple[str, ...], discard_s: float) -> dict[str, Any]:
+def summarize(recording: Recording, skills: Sequence[Skill], discard_s: float) -> dict[str, Any]:
     """Numbers of one policy over the grid, per skill and over all; plain values, ready for JSON.
 
     Velocity errors compare the mean velocity after ``discard_s`` with the command, in m/s and rad/s; a robot that
@@ -32,16 +34,17 @@ def summarize(recording: Recording, skills: tuple[str, ...], discard_s: float) -
     skill, command = recording.skill[grid, 0], recording.command[grid, 0]
     fallen = recording.fallen[grid]
     gait = measure_gait(contact, recording.period_s)
-    label = np.where(fallen, "fell", gait.label)
+    label = np.where(fallen, "fell", performed(gait.label, gait.frequency_hz, skills))
     error = velocity_error(command, mean_velocity(velocity, recording.period_s))
     joints = recording.joint_target[grid, first:], recording.joint_position[grid, first:]
     tracking, of_range = joint_tracking_accuracy(*joints), joint_tracking_of_range(*joints)
+    known = names(skills)
     fast = np.hypot(command[:, 0], command[:, 1]) >= FAST_COMMAND_M_S
 
     def part(chosen: np.ndarray, name: str | None) -> dict[str, Any]:
         """Numbers of the roll-outs ``chosen``, which were all to show ``name``."""
         upright = chosen & ~fallen
-        wanted = np.array([skills[k] for k in skill]) if name is None else name
+        wanted = np.array(known)[skill] if name is None else name
         return {
             "rollouts": int(chosen.sum()),
             "falls": int(fallen[chosen].sum()),
@@ -58,38 +61,41 @@ def summarize(recording: Recording, skills: tuple[str, ...], discard_s: float) -
             "joint_tracking_of_range": _by_kind(of_range[upright]),
         }
 
-    performed = [*skills, "none", "fell"]
+    shown = [*known, NO_SKILL, "fell"]
     return {
         "all": part(np.ones(len(skill), dtype=bool), None),
-        "skills": {name: part(skill == k, name) for k, name in enumerate(skills)},
+        "skills": {name: part(skill == k, name) for k, name in enumerate(known)},
         "confusion": {
-            name: {other: int(((label == other) & (skill == k)).sum()) for other in performed}
-            for k, name in enumerate(skills)
+            name: {other: int(((label == other) & (skill == k)).sum()) for other in shown}
+            for k, name in enumerate(known)
         },
     }
 
 
-def summarize_switching(recording: Recording, skills: tuple[str, ...]) -> dict[str, Any]:
-    """The switching sequence: seconds until each commanded gait was held for a full second, None if never."""
+def summarize_switching(recording: Recording, skills: Sequence[Skill]) -> dict[str, Any]:
+    """The switching sequence: seconds until each commanded gait was held for a full second, None if never.
+
+    A second is too short to tell stride frequencies apart, so that the gait alone counts.
+    """
     contact, skill = recording.contact[-1], recording.skill[-1]
     label = label_over_time(contact, recording.period_s)
     begins = np.flatnonzero(np.diff(skill, prepend=skill[0] - 1))
     ends = [*begins[1:], len(skill)]
     seconds = {}
     for begin, end in zip(begins, ends, strict=True):
-        name = skills[skill[begin]]
-        taken = switch_time(label[:end], name, int(begin), recording.period_s)
-        seconds[name] = None if np.isnan(taken) else taken
+        wanted = skills[skill[begin]]
+        taken = switch_time(label[:end], wanted.gait, int(begin), recording.period_s)
+        seconds[wanted.name] = None if np.isnan(taken) else taken
     return {"fell": bool(recording.fallen[-1]), "seconds_to_gait": seconds}
 
 
-def arrays(recording: Recording, skills: tuple[str, ...], commands: list[list[float]]) -> dict[str, np.ndarray]:
+def arrays(recording: Recording, skills: Sequence[Skill], commands: list[list[float]]) -> dict[str, np.ndarray]:
     """What eval.npz holds for the analysis: the grid by skill and command (K, G, ...), and the switching sequence."""
     grid = (len(skills), len(commands))
     gait = measure_gait(recording.contact[:-1], recording.period_s)
     return {
         "period": np.array(recording.period_s),
-        "skills": np.array(skills),
+        "skills": np.array(names(skills)),
         "commands": np.array(commands, dtype=np.float32),
         "contact": recording.contact[:-1].reshape(*grid, -1, 4),
         "steps_upright": recording.steps_upright[:-1].reshape(grid),

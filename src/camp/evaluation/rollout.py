@@ -1,4 +1,4 @@
-"""Rolling a policy out over every skill and command, and through the switching sequence."""
+"""Rolling a policy out over every skill and command, and through the switching sequence (one skill of each gait)."""
 
 from __future__ import annotations
 
@@ -56,11 +56,13 @@ def evaluation_setting(config: Config, evaluation: EvaluationConfig) -> Config:
 
 def roll_out(policy: Policy, config: Config, evaluation: EvaluationConfig, clips: list[Clip]) -> Recording:
     """Run the deterministic ``policy`` in all situations at once."""
-    num_skills, commands = len(config.motion.skills), torch.tensor(evaluation.commands, dtype=torch.float32)
+    skills, commands = config.motion.skill_set(), torch.tensor(evaluation.commands, dtype=torch.float32)
+    num_skills = len(skills)
     grid_skill = torch.arange(num_skills).repeat_interleave(len(commands))
     command = torch.cat([commands.repeat(num_skills, 1), torch.tensor([evaluation.switch_command])])
     steps = round(evaluation.duration_s / config.env.control_period_s)
-    switch_skill = torch.arange(steps) * num_skills // steps
+    one_per_gait = torch.tensor([next(k for k, s in enumerate(skills) if s.gait == g) for g in config.motion.skills])
+    switch_skill = one_per_gait[torch.arange(steps) * len(one_per_gait) // steps]
     env = build_env(evaluation_setting(config, evaluation), clips, num_envs=len(command))
     kept: dict[str, list[Tensor]] = {name: [] for name in _RECORDED}
     steps_upright = torch.full((len(command),), steps)

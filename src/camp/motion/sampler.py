@@ -12,17 +12,18 @@ from torch import Tensor
 from camp.data import Transition
 from camp.errors import ClipError
 from camp.motion.clips import Clip, amp_state
+from camp.motion.skills import Skill
 
 
-def _by_skill(clips: Sequence[Clip], skills: Sequence[str]) -> list[list[Clip]]:
+def _by_skill(clips: Sequence[Clip], skills: Sequence[Skill]) -> list[list[Clip]]:
     """Clips per skill, in label order. Raises ClipError where a skill has none or the frame rates differ."""
-    groups = [[clip for clip in clips if clip.gait == skill] for skill in skills]
+    groups = [[clip for clip in clips if skill.includes(clip.gait, clip.frequency_hz)] for skill in skills]
     for skill, group in zip(skills, groups, strict=True):
         if not group:
-            found = sorted({clip.gait for clip in clips})
+            found = sorted({f"{clip.gait} {clip.frequency_hz:g} Hz" for clip in clips})
             raise ClipError(
-                f"skill {skill!r}: none of the {len(clips)} clips shows it (found {found}); "
-                "generate them with `python -m camp.dataset` or take it out of motion.skills"
+                f"skill {skill.name!r}: none of the {len(clips)} clips shows it (found {found}); "
+                "generate them with `python -m camp.dataset` or take it out of motion.skills and motion.frequencies_hz"
             )
     periods = sorted({round(clip.dt, 6) for group in groups for clip in group})
     if len(periods) > 1:
@@ -40,7 +41,7 @@ class Demonstrations:
     def __init__(
         self,
         clips: Sequence[Clip],
-        skills: Sequence[str],
+        skills: Sequence[Skill],
         num_preloaded: int,
         generator: torch.Generator,
         device: torch.device | str = "cpu",
@@ -101,7 +102,7 @@ class ReferenceState:
 class ReferenceStates:
     """Draws states for reference-state initialization (Peng et al. 2018)."""
 
-    def __init__(self, clips: Sequence[Clip], skills: Sequence[str], device: torch.device | str = "cpu") -> None:
+    def __init__(self, clips: Sequence[Clip], skills: Sequence[Skill], device: torch.device | str = "cpu") -> None:
         """Raises ClipError for a skill without clips or unequal frame rates."""
         groups = _by_skill(clips, skills)
         self.num_skills = len(groups)
