@@ -46,7 +46,7 @@ check: setup ## format, lint, check types, run the fast tests
 	"$(BIN)/python" -m pytest -m "not slow" $(ARGS)
 
 train: setup ## train with the 30-minute preset, evaluate the run, draw its figures
-	"$(BIN)/python" -m camp.train run=quick $(ARGS)
+	"$(BIN)/python" -m camp.train $(ARGS)
 	@$(MAKE) --no-print-directory evaluate figures RUN="$$(readlink -f outputs/latest)" ARGS=
 
 evaluate: setup ## evaluate RUN: table, eval.json, eval.npz, videos
@@ -55,7 +55,7 @@ evaluate: setup ## evaluate RUN: table, eval.json, eval.npz, videos
 figures: setup ## draw the figures of RUN
 	"$(BIN)/python" -m analysis run="$(RUN)"
 
-dataset: setup ## generate the expert motions
+dataset: setup ## generate the expert motions that are missing (all: ARGS=--overwrite)
 	"$(BIN)/python" -m camp.dataset $(ARGS)
 
 bench: setup ## measure simulation, environment and training speed

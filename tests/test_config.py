@@ -18,6 +18,12 @@ def test_every_preset_composes(preset):
     assert compose_config([f"run={preset}"]).run.iterations >= 1
 
 
+def test_the_papers_other_gains_compose_without_imitation():
+    assert compose_config(["robot=go2_soft", "run=scratch"]).robot.kp == [20.0, 20.0, 20.0]
+    with pytest.raises(ConfigError, match=r"robot.kp.*run=scratch"):
+        compose_config(["robot=go2_soft"])
+
+
 @pytest.mark.parametrize("ablation", ABLATIONS)
 def test_every_ablation_changes_the_variant_and_little_else(ablation):
     changed = compose_config([f"+ablation={ablation}"])
@@ -56,6 +62,7 @@ def test_switches_of_the_baseline():
         ("motion.skills=[trot,trot]", ("motion.skills", "trot", "once")),
         ("motion.labels=colour", ("motion.labels", "colour", "gait_frequency")),
         ("motion.frequencies_hz=[2,2]", ("motion.frequencies_hz", "2.0", "once")),
+        ("algo.imitation.epochs=0", ("update_normalizer", "False", "true")),
         ("algo.ppo.clip=0", ("algo.ppo.clip", "0", "above 0")),
         ("run.iterations=0", ("run.iterations", "0", "1 or more")),
         ("seed=-1", ("seed", "-1", "0 or more")),

@@ -80,14 +80,15 @@ def _stepping(env: QuadrupedEnv, config: Config) -> dict[str, list[float]]:
     pose = torch.tensor(go2.DEFAULT_JOINT_POSITION)
     generator = torch.Generator().manual_seed(0)
     actions = torch.randn(STEPS, env.num_envs, 12, generator=generator)
-    batch = Batch(go2.load_model(), nsim=env.num_envs, nthread=config.sim.threads)
+    batch = Batch(go2.load_model(config.sim.physics_timestep_s), nsim=env.num_envs, nthread=config.sim.threads)
+    substeps = round(config.env.control_period_s / config.sim.physics_timestep_s)
     batch.reset(keyframe=0)
     ctrl = batch.bind("ctrl")
 
     def bare() -> int:
         for action in actions:
             ctrl[:] = (pose + NOISE * action).numpy()
-            batch.step(nstep=4)
+            batch.step(nstep=substeps)
         return STEPS * env.num_envs
 
     def ours() -> int:

@@ -52,7 +52,7 @@ def run_hydra(config_name: str, task: Callable[[DictConfig], Any], argv: Sequenc
             hydra.main(config_path=str(primary.parent), config_name=primary.name, version_base="1.3")(job)()
         if job.error is not None:
             raise job.error
-        return max(job.exit_codes, default=0)
+        return EXIT_BUG if EXIT_BUG in job.exit_codes else max(job.exit_codes, default=0)
     except INPUT_ERRORS as error:
         return _report(error)
     except _JobFailedElsewhereError as failure:

@@ -154,7 +154,7 @@ class Config:
             self.algo.imitation.epochs == 0 or gains == (list(go2.PD_GAIN_P), list(go2.PD_GAIN_D)),
             "robot.kp",
             list(self.robot.kp),
-            "the expert's targets are made for the gains of robot=go2; use those, or algo.imitation.epochs=0",
+            "the expert's targets are made for the gains of robot=go2; use those, or run=scratch",
         )
         samples = self.run.rollout_steps * self.sim.num_envs
         checks.require(
@@ -203,8 +203,9 @@ def learner_device(name: str) -> torch.device:
         device = torch.device(name)
     except RuntimeError as error:
         raise ConfigError(f"device = {name!r}: choose auto, cpu, cuda or cuda:<number>") from error
-    if device.type == "cuda" and not torch.cuda.is_available():
-        raise ConfigError(f"device = {name!r}: torch finds no CUDA GPU here; choose cpu or auto")
+    found = torch.cuda.device_count()
+    if device.type == "cuda" and (device.index or 0) >= found:
+        raise ConfigError(f"device = {name!r}: torch finds {found} CUDA GPUs here; choose auto, cpu or a lower number")
     return device
 
 

@@ -72,19 +72,18 @@ class RunLogger:
     ) -> None:
         """Start the record of a run or, after `resume_from` iterations, go on with it.
 
-        `config` is the whole configuration of the run. Continuing cuts the metrics behind that iteration,
-        keeps config.yaml and writes versions-<iteration>.json beside the first one. `announce` gets the
+        `config` is the whole configuration of the run. Continuing cuts the metrics behind that iteration and
+        writes versions-<iteration>.json beside the first one. `announce` gets the
         lines that say how to look at the W&B run. Raises ConfigError, CheckpointError.
         """
         logger.check()
         self.folder = identity.folder
         metrics_path = self.folder / METRICS
-        if resume_from is None:
-            write_text(self.folder / "config.yaml", OmegaConf.to_yaml(config, resolve=True))
-            versions_name = "versions.json"
-        else:
+        versions_name = "versions.json"
+        if resume_from is not None:
             truncate_metrics(metrics_path, resume_from)
             versions_name = f"versions-{resume_from:08d}.json"
+        write_text(self.folder / "config.yaml", OmegaConf.to_yaml(config, resolve=True))
         write_text(self.folder / versions_name, json.dumps(collect_versions(), indent=2) + "\n")
         self._wandb = None
         if logger.wandb_mode != "disabled":

@@ -57,6 +57,9 @@ def resume(folder: Path, overrides: Sequence[str]) -> Path:
             )
     config = load_run_config(folder, changes)
     checkpoint = load_checkpoint(folder)
+    if checkpoint["iteration"] >= config.run.iterations:
+        print(f"{folder} has all its {config.run.iterations} iterations; add more with run.iterations=<number>")
+        return folder
     with _training(config) as training:
         runner = Runner(training, config, folder)
         _restore(runner, checkpoint)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from rich.progress import Progress, track
 
+from camp import motion
 from camp.algo.imitation import imitate
 from camp.build import Training
 from camp.config import Config
@@ -42,23 +43,23 @@ def warm_start(training: Training, config: Config) -> list[dict[str, float]]:
 
 def perturbed_clips(config: Config) -> list[Clip]:
     """The clips of conf/motion's ``perturbed_folder``, after generating the missing ones."""
-    motion = config.motion
-    skills = motion.skill_set()
+    wanted = config.motion
+    skills = wanted.skill_set()
     requests = [
         request
-        for request in perturbed_requests(motion.perturbed_clips, PERTURBED_SEED)
+        for request in perturbed_requests(wanted.perturbed_clips, PERTURBED_SEED)
         if label_of(request.gait, request.frequency_hz, skills) is not None
     ]
-    folder = Path(motion.perturbed_folder or Path(config.output_dir) / "motions" / f"perturbed-{_robot_version()}")
+    folder = Path(wanted.perturbed_folder or Path(config.output_dir) / "motions" / f"perturbed-{_expert_version()}")
     folder.mkdir(parents=True, exist_ok=True)
     _generate_missing(requests, folder)
     made = [path for path in (folder / f"{request.name}.npz" for request in requests) if path.is_file()]
     # A few noisy clips end in a fall and are not kept; many would mean that something is wrong.
     if len(made) < 0.7 * len(requests):
         raise ClipError(
-            f"perturbed clips in {folder}: {len(made)} of {len(requests)} could be made; see why with "
-            f"`python -m camp.dataset perturbed --folder {folder}`, or train with algo.imitation.epochs=0 "
-            "algo.ppo.update_normalizer=true"
+            f"perturbed clips in {folder}: {len(made)} of {len(requests)} could be made; see why with `python -m "
+            f"camp.dataset perturbed --count {wanted.perturbed_clips} --seed {PERTURBED_SEED} --folder {folder}`, "
+            "or train with run=scratch"
         )
     return [load_clip(path) for path in made]
 
@@ -78,6 +79,7 @@ def _generate_missing(requests: list[ClipRequest], folder: Path) -> None:
             progress.advance(task)
 
 
-def _robot_version() -> str:
-    """Eight letters that change with the robot's model: clips are of the robot they were made with."""
-    return hashlib.sha256(go2.MODEL_PATH.read_bytes()).hexdigest()[:8]
+def _expert_version() -> str:
+    """Eight letters that change with the robot's model and the expert's code: what the clips depend on."""
+    sources = [go2.MODEL_PATH, *sorted(Path(motion.__file__).parent.glob("*.py"))]
+    return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()[:8]

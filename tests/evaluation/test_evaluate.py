@@ -106,8 +106,10 @@ def test_evaluating_a_run_writes_its_report(tmp_path, capsys):
     assert standing["linear_error_fast_m_s"] == pytest.approx(0.5, abs=0.1)
     with np.load(run / "eval.npz", allow_pickle=False) as saved:
         assert saved["contact"].shape == (4, 1, 125, 4)
-    videos = sorted(path.name for path in (run / "videos").glob("*.mp4")) if (run / "videos").is_dir() else []
-    assert videos in ([], ["bound.mp4", "pace.mp4", "pronk.mp4", "switching.mp4", "trot.mp4"])
+    if "no videos" in capsys.readouterr().err:
+        pytest.skip("no off-screen OpenGL here")
+    videos = sorted(path.name for path in (run / "videos").glob("*.mp4"))
+    assert videos == ["bound.mp4", "pace.mp4", "pronk.mp4", "switching.mp4", "trot.mp4"]
 
 
 def test_evaluating_nothing_is_one_line(tmp_path, capsys):

@@ -33,8 +33,8 @@ class CommandConfig:
     yaw_rate_rad_s: list[float] = MISSING  # [low, high], counter-clockwise
     zero_component_share: float = MISSING  # probability that a component is zero
     zero_share: float = MISSING  # probability that the whole command is zero
-    period_s: float = MISSING  # a new command this often
-    skill_period_s: float = MISSING  # a new skill this often
+    period_s: float = MISSING  # a new command this often, counted from an episode's start
+    skill_period_s: float = MISSING  # a new skill this often, likewise
 
     def check(self) -> None:
         for name in ("vx_m_s", "vy_m_s", "yaw_rate_rad_s"):
@@ -53,6 +53,10 @@ class RewardConfig:
     linear_velocity_width: float = MISSING  # m/s
     angular_velocity_weight: float = MISSING
     angular_velocity_width: float = MISSING  # rad/s
+
+    def weights(self) -> dict[str, float]:
+        """Weight of every term that the environment computes, by its name."""
+        return {"linear_velocity": self.linear_velocity_weight, "angular_velocity": self.angular_velocity_weight}
 
     def check(self) -> None:
         checks.finite("env.reward.linear_velocity_weight", self.linear_velocity_weight)

@@ -10,6 +10,7 @@ import torch
 from gymnasium.vector import AutoresetMode, VectorEnv
 from torch import Tensor
 
+from camp.algo.losses import mix_rewards
 from camp.data import Step
 from camp.envs import initialization, observations
 from camp.envs.commands import sample_commands, sample_skills, uniform
@@ -124,15 +125,14 @@ class QuadrupedEnv(VectorEnv):
         if len(ended) > 0:
             self.observation, self.privileged = final_observation.clone(), final_privileged.clone()
             self.observation[ended], self.privileged[ended] = self._observe(self._restart(ended), ended)
-        weights = self.config.reward
+        weights = self.config.reward.weights()
         return Step(
             observation=self.observation,
             privileged=self.privileged,
             final_observation=final_observation,
             final_privileged=final_privileged,
             reward=reward,
-            task_reward=weights.linear_velocity_weight * reward["linear_velocity"]
-            + weights.angular_velocity_weight * reward["angular_velocity"],
+            task_reward=mix_rewards(reward, weights),
             terminated=terminated,
             truncated=truncated,
             transition=transition,

@@ -90,7 +90,7 @@ def summarize_switching(recording: Recording, skills: Sequence[Skill]) -> dict[s
 
 
 def arrays(recording: Recording, skills: Sequence[Skill], commands: list[list[float]]) -> dict[str, np.ndarray]:
-    """What eval.npz holds for the analysis: the grid by skill and command (K, G, ...), and the switching sequence."""
+    """What eval.npz holds: the grid by skill and command (K, G, ...), and the switching sequence."""
     grid = (len(skills), len(commands))
     gait = measure_gait(recording.contact[:-1], recording.period_s)
     return {
