@@ -170,27 +170,32 @@ def wait_for_checkpoint(folder: Path, process: subprocess.Popen, iteration: int)
     deadline = time.monotonic() + 120
     while time.monotonic() < deadline and process.poll() is None:
         for run in runs_in(folder):
-            if list((run / "checkpoints").glob(f"checkpoint_*{iteration}.pt")):
+            if list((run / "checkpoints").glob(f"checkpoint_{iteration:08d}.pt")):
                 return run
         time.sleep(0.02)
     pytest.fail(f"no checkpoint of iteration {iteration}; exit code {process.poll()}")
 
 
-LONG = ["run=smoke", *TINY, QUIET, "run.iterations=12", "run.checkpoint_every=1", "run.checkpoints_kept=20"]
+LONG = ["run=smoke", *TINY, QUIET, "run.iterations=30", "run.checkpoint_every=1", "run.checkpoints_kept=40"]
+
+
+@pytest.fixture(scope="module")
+def uninterrupted(tmp_path_factory) -> list[dict]:
+    """Metrics of the run that nobody stops."""
+    folder = tmp_path_factory.mktemp("uninterrupted")
+    subprocess.run(command(*LONG), cwd=folder, env=environment(), check=True, capture_output=True)
+    (run,) = runs_in(folder)
+    return metrics_of(run)
 
 
 @pytest.mark.parametrize("stop", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
-def test_a_stopped_run_continues_as_if_nothing_had_happened(stop, tmp_path):
-    straight, stopped = tmp_path / "straight", tmp_path / "stopped"
-    for folder in (straight, stopped):
-        folder.mkdir()
-    subprocess.run(command(*LONG), cwd=straight, env=environment(), check=True, capture_output=True)
-    process = subprocess.Popen(command(*LONG), cwd=stopped, env=environment(), stdout=subprocess.DEVNULL)
-    run = wait_for_checkpoint(stopped, process, 3)
+def test_a_stopped_run_continues_as_if_nothing_had_happened(stop, uninterrupted, tmp_path):
+    process = subprocess.Popen(command(*LONG), cwd=tmp_path, env=environment(), stdout=subprocess.DEVNULL)
+    run = wait_for_checkpoint(tmp_path, process, 3)
     process.send_signal(stop)
     assert process.wait(timeout=60) != 0
-    assert len(metrics_of(run)) < 12, "stopped too late to tell anything"
-    resume = command(f"resume={run.relative_to(stopped)}")
-    subprocess.run(resume, cwd=stopped, env=environment(), check=True, capture_output=True)
-    (reference,) = runs_in(straight)
-    assert metrics_of(reference) == metrics_of(run)
+    assert len(metrics_of(run)) < 30, "stopped too late to tell anything"
+    resume = command(f"resume={run.relative_to(tmp_path)}")
+    subprocess.run(resume, cwd=tmp_path, env=environment(), check=True, capture_output=True)
+    assert len(uninterrupted) == 30
+    assert metrics_of(run) == uninterrupted
