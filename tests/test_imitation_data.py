@@ -47,6 +47,8 @@ def test_clips_that_show_no_skill_are_left_out(config, clips):
     two = [next(c for c in clips if c.frequency_hz == f) for f in (2.0, 3.0)]
     data = imitation_data(two, config, torch.device("cpu"))
     assert data.observation.shape == (len(two[1]) - 1, 45 + 4)
+    alone = imitation_data(two[1:], config, torch.device("cpu"))
+    assert torch.equal(data.observation, alone.observation) and torch.equal(data.action, alone.action)
 
 
 def test_the_applied_targets_replay_the_clip(config, clips):

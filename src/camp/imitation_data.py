@@ -27,14 +27,11 @@ def imitation_data(clips: Sequence[Clip], config: Config, device: torch.device) 
     skills = config.motion.skill_set()
     entries = observations.actor_entries(len(skills))
     labels = [label_of(clip.gait, clip.frequency_hz, skills) for clip in clips]
-    situations = [
-        _situation(clip, label, len(skills), config)
-        for clip, label in zip(clips, labels, strict=True)
-        if label is not None
-    ]
+    shown = [(clip, label) for clip, label in zip(clips, labels, strict=True) if label is not None]
+    situations = [_situation(clip, label, len(skills), config) for clip, label in shown]
     observation = torch.cat([observations.observe(entries, situation) for situation in situations])
     noise = config.env.noise
-    answer = _rows(np.concatenate([clip.joint_target[1:] for clip in clips]))
+    answer = _rows(np.concatenate([clip.joint_target[1:] for clip, _ in shown]))
     return ImitationData(
         observation=observation.to(device),
         action=_as_action(answer, config.robot.action_scale).to(device),
