@@ -92,7 +92,8 @@ def test_round_trip(tmp_path: Path, varying: bool) -> None:
         if isinstance(value, np.ndarray):
             assert getattr(loaded, name).dtype == value.dtype
     assert (loaded.joint_names, loaded.foot_names) == (JOINT_NAMES, FOOT_NAMES)
-    assert loaded.is_steady != varying
+    assert loaded.is_steady == loaded.holds_command != varying
+    assert not replace(loaded, split="varied").is_steady
     assert len(loaded) == STEPS
     assert [file.name for file in (tmp_path / "new").iterdir()] == ["clip.npz"]  # nothing half-written stays
 

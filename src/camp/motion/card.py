@@ -17,7 +17,7 @@ CARD_NAME = "README.md"
 SPLIT_MEANING = {
     "steady": "one command held throughout, recorded after 3 s of walking",
     "varied": "speeding up, slowing down into reverse, random sequences of commands, lower and higher bodies",
-    "recovery": "two pushes of .15 to .35 m/s in random directions, and how the gait takes them",
+    "recovery": "two pushes of .25 to .55 m/s in random directions, and how the gait takes them",
     "transition": "from one gait into another, .15 s on all four feet between them; `gait` is the later one",
     "perturbed": "noise on the applied targets, clean answers as labels, from standing; made on demand",
     "stand": "standing at three heights, undisturbed and pushed; no skill of its own",
@@ -79,6 +79,7 @@ def dataset_card(clips: Mapping[str, Clip], results: Mapping[str, Sequence[ClipC
         "## What is in it",
         _counts_table(clips),
         _splits_text(clips),
+        _FIGURES,
         "## How it was made",
         _MAKING,
         "## Files",
@@ -109,6 +110,10 @@ its torques are turned into joint targets for the PD controller the learner has 
 the robot: every row is a pair of a state and an action that the learner's own interface can provably reach and
 repeat. Generation is deterministic: the same request on the same platform gives the same file, whatever the
 number of processes; `python -m camp.dataset` makes what is missing."""
+
+_FIGURES = """Figures of the [trot](../../../../../docs/motions/trot.png), [pace](../../../../../docs/motions/pace.png),
+[bound](../../../../../docs/motions/bound.png), [pronk](../../../../../docs/motions/pronk.png) and of
+[clips that are not steady](../../../../../docs/motions/examples.png): `python -m analysis.motions`."""
 
 _LEGS, _JOINTS_OF_A_LEG = ", ".join(FOOT_NAMES), ", ".join(JOINT_NAMES[:3])
 _FILES = f"""One `.npz` per clip, no pickles: `numpy.load(path, allow_pickle=False)` or

@@ -89,9 +89,14 @@ class Clip:
         return len(self.joint_position)
 
     @property
-    def is_steady(self) -> bool:
-        """Whether the command is one twist held throughout, so that means and phases can be judged."""
+    def holds_command(self) -> bool:
+        """Whether the command is one twist held throughout, so that means can be judged."""
         return self.command.ndim == 1
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the clip shows nothing but a gait at one twist, undisturbed and at its usual height."""
+        return self.holds_command and self.split == "steady"
 
     @property
     def has_targets(self) -> bool:

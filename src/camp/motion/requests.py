@@ -48,7 +48,7 @@ LOWER, HIGHER = 0.025, 0.015
 # Ranges of random commands, about as wide as what the policy is asked for (conf/env).
 _RANDOM_LOW, _RANDOM_HIGH = np.array([-0.5, -0.25, -0.7]), np.array([0.9, 0.25, 0.7])
 _STRAIGHT_SHARE, _IN_PLACE_SHARE = 0.4, 0.1
-_PUSH_SPEED = (0.15, 0.35)  # m/s that a push of the robot's 15.2 kg is good for
+_PUSH_SPEED = (0.25, 0.55)  # m/s that a push of the robot's 15.2 kg is good for
 _ROBOT_MASS = 15.2  # kg
 _CHANGES = (0.0, 1.2, 1.3, 2.5, 2.6)  # s, between which a changing command is held or goes over
 

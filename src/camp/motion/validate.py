@@ -50,7 +50,7 @@ def check_clip(clip: Clip, replay: bool = True) -> list[ClipCheck]:
         checks += _gait(clip)
     if clip.gait == STAND:
         checks.append(at_least("contact match", clip.foot_contact.mean(), CONTACT_MATCH))
-    if clip.is_steady and clip.split != "perturbed":
+    if clip.holds_command and clip.split != "perturbed":
         checks += _speed(clip)
     if replay and clip.has_targets:
         checks.append(at_most("replay (rad)", replay_error(clip), REPLAY_ERROR))
