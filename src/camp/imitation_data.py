@@ -12,6 +12,7 @@ from camp.algo.imitation import ImitationData
 from camp.config import Config
 from camp.envs import observations
 from camp.envs.measurement import Measurement, rotate_inverse
+from camp.errors import ClipError
 from camp.motion.clips import Clip
 from camp.robots import go2
 from camp.sim.base import Dynamics
@@ -21,8 +22,15 @@ def imitation_data(clips: Sequence[Clip], config: Config, device: torch.device) 
     """Every row but the first of each clip: what the policy would have observed, and the expert's answer to it.
 
     The first row is left out because the action before it is not known. The sensors' noise is left to the training,
-    which draws it anew for every minibatch.
+    which draws it anew for every minibatch. Clips without targets (imported ones) are left out; raises ClipError
+    where no other is left.
     """
+    clips = [clip for clip in clips if clip.has_targets]
+    if not clips:
+        raise ClipError(
+            "no clip has the expert's targets, imported motion has none to imitate; add clips generated with "
+            "`python -m camp.dataset` or switch the imitation off (algo.imitation.epochs=0)"
+        )
     skills = list(config.motion.skills)
     entries = observations.actor_entries(len(skills))
     situations = [_situation(clip, skills.index(clip.gait), len(skills), config) for clip in clips]
