@@ -4,6 +4,8 @@ python -m camp.dataset                       generate the shipped clips (those t
 python -m camp.dataset validate [FOLDER]     check clips; exit code 1 if one is bad
 python -m camp.dataset card [FOLDER]         write the folder's README.md from its clips; exit code 1 if one is bad
 python -m camp.dataset perturbed --folder F  clips with noisy targets and corrective labels, for imitation
+python -m camp.dataset import FILE ...       another project's motion becomes a clip: --format, --gait (docs/motions.md)
+python -m camp.dataset export CLIP ...       a clip in another project's format: --format amp OUTPUT
 """
 
 from __future__ import annotations
@@ -23,6 +25,8 @@ from camp.motion.card import dataset_card, write_card
 from camp.motion.clips import Clip, load_clip
 from camp.motion.consistency import ClipCheck
 from camp.motion.diagnose import find_cause
+from camp.motion.exchange_cli import COMMANDS as EXCHANGE
+from camp.motion.exchange_cli import add_exchange, run_exchange
 from camp.motion.generate import generate_dataset
 from camp.motion.report import quality_table
 from camp.motion.requests import ClipRequest, perturbed_requests, shipped_requests
@@ -40,6 +44,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return validate(options.folder)
         if options.command == "card":
             return card(options.folder)
+        if options.command in EXCHANGE:
+            return run_exchange(options)
         if options.command == "perturbed":
             requests = perturbed_requests(options.count, options.seed)
             generate(requests, options)
@@ -136,6 +142,7 @@ def _parser() -> argparse.ArgumentParser:
     perturbed.add_argument("--seed", type=int, default=0, help="of commands and noise")
     _add_generation(perturbed, Path("outputs/motions/perturbed"))
     perturbed.set_defaults(command="perturbed")
+    add_exchange(commands)
     return parser
 
 
