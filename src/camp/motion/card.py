@@ -10,6 +10,7 @@ from camp.motion.clips import SPLITS, STAND, TRAINING_SPLITS, Clip
 from camp.motion.consistency import ClipCheck
 from camp.motion.gaits import GAIT_PHASES
 from camp.motion.report import Cell, worst_by_cell
+from camp.motion.requests import FASTEST
 from camp.robots.go2 import FOOT_NAMES, JOINT_NAMES, PD_GAIN_D, PD_GAIN_P
 
 CARD_NAME = "README.md"
@@ -122,13 +123,13 @@ _FILES = f"""One `.npz` per clip, no pickles: `numpy.load(path, allow_pickle=Fal
 joints {_JOINTS_OF_A_LEG}, then the other legs'. Row t is the state in which target t was given. Numbers are
 float32."""
 
-_LIMITS = """Frequency, speed and turn errors are of the means over whole strides. Phases: worst pair of legs.
-Contacts: share of rows and feet that follow the schedule. Torque and joint speed: largest share of the limit.
-Beyond range: negative where the joints stay inside. Replay: the applied targets repeated open loop for half a
-second from the first row, joint error. What the gaits do not bear is slowed down in `camp/motion/requests.py`:
-a pronk at 2 Hz to .8 m/s, a pace at 2 Hz and a bound at 3 Hz to .9 m/s, and a pronk at 3 Hz to .7 of commands
-that combine directions. Where commands change or the robot is pushed, phases may be off by .08 and contacts
-match for .85 of the time."""
+_SLOWED = ", ".join(f"a {gait} at {rate:g} Hz to {speed:g} m/s" for (gait, rate), speed in FASTEST.items())
+_LIMITS = f"""Frequency, speed and turn errors are of the means over whole strides. Phases: worst pair of legs.
+Contacts: share of rows and feet that follow the schedule. Duty and flight: difference to the schedule's. Slip: speed
+of standing feet. Torque and joint speed: largest share of the limit. Beyond range: negative where the joints stay
+inside. Replay: the applied targets repeated open loop for half a second from the first row, joint error. What a gait
+does not bear is slowed down (`camp/motion/requests.py`): {_SLOWED}. Where commands change or the robot is pushed,
+phases may be off by .08 and contacts match for .85 of the time."""
 
 
 def _counts_table(clips: Mapping[str, Clip]) -> str:

@@ -59,7 +59,6 @@ class SwingGains:
     damping: float = 55.0  # 1/s
     commit_phase: float = 0.85  # swing phase after which the foothold stays fixed
     arrival_phase: float = 0.95  # swing phase at which the foot is above its foothold
-    press_depth: float = 0.002  # m below the floor: makes touchdown certain
 
 
 @dataclass(frozen=True)
@@ -110,6 +109,7 @@ def expert_parameters(gait: str, frequency_hz: float, height: float = 0.0) -> Ex
     if gait == "bound" and frequency_hz > 3.5:
         # Feet that leave late and touch down early would leave no flight of the 21 ms that are planned.
         posture = replace(posture, swing_height=0.07)
-        swing = replace(swing, press_depth=0.0, arrival_phase=1.0)
+    if (gait, frequency_hz) in (("bound", 4.0), ("pronk", 2.0)):
+        swing = replace(swing, arrival_phase=1.0)  # by trial: keeps more contacts on the schedule
     posture = replace(posture, com_height=posture.com_height + height)
     return ExpertParameters(posture, reference, mpc, swing)
