@@ -2,7 +2,10 @@
 
 python -m camp.dataset                       generate the shipped clips (those that are there are kept)
 python -m camp.dataset validate [FOLDER]     check clips; exit code 1 if one is bad
+python -m camp.dataset card [FOLDER]         write the folder's README.md from its clips; exit code 1 if one is bad
 python -m camp.dataset perturbed --folder F  clips with noisy targets and corrective labels, for imitation
+python -m camp.dataset import FILE ...       another project's motion becomes a clip: --format, --gait (docs/motions.md)
+python -m camp.dataset export CLIP ...       a clip in another project's format: --format amp OUTPUT
 """
 
 from __future__ import annotations
@@ -11,13 +14,19 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from camp.errors import CampError, ClipError
-from camp.motion.clips import load_clip
+from camp.motion.card import dataset_card, write_card
+from camp.motion.clips import Clip, load_clip
+from camp.motion.consistency import ClipCheck
+from camp.motion.diagnose import find_cause
+from camp.motion.exchange_cli import COMMANDS as EXCHANGE
+from camp.motion.exchange_cli import add_exchange, run_exchange
 from camp.motion.generate import generate_dataset
 from camp.motion.report import quality_table
 from camp.motion.requests import ClipRequest, perturbed_requests, shipped_requests
@@ -33,6 +42,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if options.command == "validate":
             return validate(options.folder)
+        if options.command == "card":
+            return card(options.folder)
+        if options.command in EXCHANGE:
+            return run_exchange(options)
         if options.command == "perturbed":
             requests = perturbed_requests(options.count, options.seed)
             generate(requests, options)
@@ -59,23 +72,57 @@ def generate(requests: Sequence[ClipRequest], options: argparse.Namespace) -> in
     return count["failed"]
 
 
+@dataclass(frozen=True)
+class Judged:
+    """A folder's clips and what the checks say, by name; `bad`: how many clips fail or cannot be read."""
+
+    clips: dict[str, Clip]
+    results: dict[str, list[ClipCheck]]
+    bad: int
+
+
 def validate(folder: Path) -> int:
     """Print the quality of every clip in a folder; returns the exit code."""
-    paths = sorted(folder.glob("*.npz"))
-    if not paths:
-        raise ClipError(f"no clips in {folder}; generate them with `python -m camp.dataset`")
-    results, bad = {}, 0
-    for path in paths:
+    judged = judge(folder)
+    console = Console() if sys.stdout.isatty() else Console(width=TABLE_WIDTH)
+    console.print(quality_table(judged.results))
+    print(f"{folder}: {len(clip_paths(folder))} clips, {judged.bad} bad")
+    return int(judged.bad > 0)
+
+
+def card(folder: Path) -> int:
+    """Write the folder's card; returns the exit code."""
+    judged = judge(folder)
+    size = sum(path.stat().st_size for path in clip_paths(folder))
+    print(write_card(folder, dataset_card(judged.clips, judged.results, size)))
+    return int(judged.bad > 0)
+
+
+def judge(folder: Path) -> Judged:
+    """Check every clip of a folder; what is wrong is printed, with its likely cause."""
+    clips, results, bad = {}, {}, 0
+    for path in clip_paths(folder):
         try:
-            results[path.stem] = check_clip(load_clip(path))
+            clip = load_clip(path)
         except ClipError as error:
             bad += 1
             print(f"error: {error}", file=sys.stderr)
-    console = Console() if sys.stdout.isatty() else Console(width=TABLE_WIDTH)
-    console.print(quality_table(results))
-    bad += sum(not all(check.passed for check in checks) for checks in results.values())
-    print(f"{folder}: {len(paths)} clips, {bad} bad")
-    return int(bad > 0)
+            continue
+        clips[path.stem], results[path.stem] = clip, check_clip(clip)
+        failed = [str(check) for check in results[path.stem] if not check.passed]
+        if failed:
+            bad += 1
+            reason = "; ".join(filter(None, [find_cause(clip), *failed]))
+            print(f"error: clip {path}: {reason}", file=sys.stderr)
+    return Judged(clips, results, bad)
+
+
+def clip_paths(folder: Path) -> list[Path]:
+    """The clip files of a folder, sorted. Raises ClipError where there is none."""
+    paths = sorted(folder.glob("*.npz"))
+    if not paths:
+        raise ClipError(f"no clips in {folder}; generate them with `python -m camp.dataset`")
+    return paths
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -87,11 +134,15 @@ def _parser() -> argparse.ArgumentParser:
     check = commands.add_parser("validate", help="check the clips of a folder")
     check.add_argument("folder", type=Path, nargs="?", default=shipped)
     check.set_defaults(command="validate")
+    describe = commands.add_parser("card", help="write the data set's README.md from its clips")
+    describe.add_argument("folder", type=Path, nargs="?", default=shipped)
+    describe.set_defaults(command="card")
     perturbed = commands.add_parser("perturbed", help="generate clips with noisy targets and corrective labels")
     perturbed.add_argument("--count", type=int, default=150, help="number of clips to try (some robots fall)")
     perturbed.add_argument("--seed", type=int, default=0, help="of commands and noise")
     _add_generation(perturbed, Path("outputs/motions/perturbed"))
     perturbed.set_defaults(command="perturbed")
+    add_exchange(commands)
     return parser
 
 

@@ -17,7 +17,6 @@ from camp.imitation_data import imitation_data
 from camp.motion.clips import Clip, load_clip
 from camp.motion.generate import generate_dataset
 from camp.motion.requests import ClipRequest, perturbed_requests
-from camp.motion.skills import label_of
 from camp.robots import go2
 from camp.seeding import generator
 
@@ -44,12 +43,8 @@ def warm_start(training: Training, config: Config) -> list[dict[str, float]]:
 def perturbed_clips(config: Config) -> list[Clip]:
     """The clips of conf/motion's ``perturbed_folder``, after generating the missing ones."""
     wanted = config.motion
-    skills = wanted.skill_set()
-    requests = [
-        request
-        for request in perturbed_requests(wanted.perturbed_clips, PERTURBED_SEED)
-        if label_of(request.gait, request.frequency_hz, skills) is not None
-    ]
+    cells = [(gait, frequency) for gait in wanted.skills for frequency in wanted.frequencies_hz]
+    requests = perturbed_requests(wanted.perturbed_clips, PERTURBED_SEED, cells)
     folder = Path(wanted.perturbed_folder or Path(config.output_dir) / "motions" / f"perturbed-{_expert_version()}")
     folder.mkdir(parents=True, exist_ok=True)
     _generate_missing(requests, folder)

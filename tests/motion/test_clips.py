@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 
 from camp.errors import ClipError
 from camp.motion.clips import Clip, amp_state, load_clip, load_clips, save_clip
-from camp.robots.go2 import FOOT_NAMES, JOINT_NAMES
+from camp.motion.mirror import mirrored
+from camp.robots import kinematics
+from camp.robots.go2 import DEFAULT_JOINT_POSITION, FOOT_NAMES, JOINT_NAMES, STANDING_HEIGHT
 
 STEPS = 6
 
@@ -41,6 +45,28 @@ def make_clip(gait: str = "trot", varying: bool = False) -> Clip:
     )
 
 
+def still_clip(gait: str = "trot", split: str = "steady") -> Clip:
+    """A clip that agrees with itself: the robot stands in its default pose."""
+    pose = np.tile(np.array(DEFAULT_JOINT_POSITION, dtype=np.float32), (STEPS, 1))
+    feet = kinematics.foot_position(torch.from_numpy(pose)).numpy()
+
+    def rows(*values: float) -> np.ndarray:
+        return np.tile(np.array(values, dtype=np.float32), (STEPS, 1))
+
+    return replace(
+        make_clip(gait),
+        split=split,
+        base_position=rows(0, 0, STANDING_HEIGHT),
+        base_quaternion=rows(1, 0, 0, 0),
+        joint_position=pose,
+        joint_velocity=rows(*[0.0] * 12),
+        base_linear_velocity=rows(0, 0, 0),
+        base_angular_velocity=rows(0, 0, 0),
+        foot_position=feet,
+        foot_velocity=np.zeros_like(feet),
+    )
+
+
 def rewrite(path: Path, **changes: np.ndarray | None) -> None:
     """Replace keys of a clip file, or remove those given as None."""
     with np.load(path) as archive:
@@ -66,7 +92,8 @@ def test_round_trip(tmp_path: Path, varying: bool) -> None:
         if isinstance(value, np.ndarray):
             assert getattr(loaded, name).dtype == value.dtype
     assert (loaded.joint_names, loaded.foot_names) == (JOINT_NAMES, FOOT_NAMES)
-    assert loaded.is_steady != varying
+    assert loaded.is_steady == loaded.holds_command != varying
+    assert not replace(loaded, split="varied").is_steady
     assert len(loaded) == STEPS
     assert [file.name for file in (tmp_path / "new").iterdir()] == ["clip.npz"]  # nothing half-written stays
 
@@ -74,7 +101,8 @@ def test_round_trip(tmp_path: Path, varying: bool) -> None:
 def test_every_number_on_disk_is_single_precision(path: Path) -> None:
     with np.load(path) as archive:
         kinds = {name: archive[name].dtype for name in archive.files}
-    others = {"gait", "joint_names", "foot_names", "foot_contact"}
+    texts = {"gait", "joint_names", "foot_names", "split", "previous_gait", "source"}
+    others = {*texts, "foot_contact", "seed", "switch_step"}
     assert {str(kind) for name, kind in kinds.items() if name not in others} == {"float32"}
     assert kinds["foot_contact"].kind == "b"
 
@@ -100,6 +128,10 @@ def bad(value: float, *shape: int) -> np.ndarray:
         ({"foot_names": np.array(["FR", "FL", "RR", "RL"])}, "expected ['FL', 'FR', 'RL', 'RR']"),
         ({"gait": np.array("gallop")}, "'gait' is 'gallop'"),
         ({"frequency_hz": bad(0.0)}, "'frequency_hz' is 0.0"),
+        ({"split": np.array("odd")}, "'split' is 'odd'"),
+        ({"gait": np.array("stand")}, "'gait' is 'stand' and 'split' 'steady'"),
+        ({"switch_step": np.int64(STEPS)}, "'switch_step' is 6, expected a row, 0 to 5"),
+        ({"seed": bad(1.0)}, "'seed' has dtype float32"),
         (
             {"joint_target": np.array([[None]], dtype=object)},
             "cannot be read (Object arrays cannot be loaded",
@@ -136,14 +168,59 @@ def test_missing_file(tmp_path: Path) -> None:
         load_clip(tmp_path / "none.npz")
 
 
+@pytest.mark.parametrize(("varying", "split"), [(False, "steady"), (True, "perturbed")])
+def test_older_files_are_read(tmp_path: Path, varying: bool, split: str) -> None:
+    path = tmp_path / "clip.npz"
+    save_clip(path, make_clip(varying=varying))
+    rewrite(path, split=None, seed=None, previous_gait=None, switch_step=None, source=None)
+    clip = load_clip(path)
+    assert (clip.split, clip.seed, clip.previous_gait, clip.switch_step) == (split, 0, "", 0)
+
+
+def test_standing_has_no_stride(path: Path) -> None:
+    stand = replace(make_clip("stand"), split="stand", frequency_hz=0.0)
+    save_clip(path, stand)
+    assert load_clip(path).frequency_hz == 0.0
+    save_clip(path, replace(stand, frequency_hz=2.0))
+    with pytest.raises(ClipError, match="or 0 for standing"):
+        load_clip(path)
+
+
 def test_folder_keeps_the_skills_asked_for(tmp_path: Path) -> None:
     for name, gait in (("b", "trot"), ("a", "pace"), ("c", "bound")):
-        save_clip(tmp_path / f"{name}.npz", make_clip(gait))
+        save_clip(tmp_path / f"{name}.npz", still_clip(gait))
     assert [clip.gait for clip in load_clips(tmp_path, ["trot", "pace"])] == ["pace", "trot"]
 
 
+def test_folder_keeps_the_splits_asked_for(tmp_path: Path) -> None:
+    splits = ("steady", "varied", "recovery", "transition", "perturbed")
+    for index, split in enumerate(splits):
+        save_clip(tmp_path / f"{index}.npz", still_clip(split=split))
+    save_clip(tmp_path / "5.npz", replace(still_clip("stand", "stand"), frequency_hz=0.0))
+    assert [clip.split for clip in load_clips(tmp_path, ["trot"])] == ["steady", "varied", "recovery"]
+    assert [clip.split for clip in load_clips(tmp_path, ["trot"], ["transition"])] == ["transition"]
+    assert [clip.gait for clip in load_clips(tmp_path, ["stand"], ["stand"])] == ["stand"]
+    with pytest.raises(ClipError, match=r"skill 'stand' has no clip .*found: trot\)"):
+        load_clips(tmp_path, ["stand"])
+    with pytest.raises(ClipError, match="split 'steedy' is unknown; choose from steady"):
+        load_clips(tmp_path, ["trot"], ["steedy"])
+
+
+def test_folder_gives_mirror_images(tmp_path: Path) -> None:
+    save_clip(tmp_path / "clip.npz", still_clip())
+    clip, image = load_clips(tmp_path, ["trot"], with_mirrored=True)
+    np.testing.assert_array_equal(image.foot_contact, mirrored(clip).foot_contact)
+
+
+def test_loading_refuses_what_does_not_move_as_it_says(tmp_path: Path) -> None:
+    clip = still_clip()
+    save_clip(tmp_path / "clip.npz", replace(clip, foot_position=clip.foot_position[:, [1, 0, 3, 2]]))
+    with pytest.raises(ClipError, match=r"clip.npz: foot off its leg \(m\) .* camp.dataset validate"):
+        load_clips(tmp_path, ["trot"])
+
+
 def test_skill_without_clips(tmp_path: Path) -> None:
-    save_clip(tmp_path / "clip.npz", make_clip())
+    save_clip(tmp_path / "clip.npz", still_clip())
     with pytest.raises(ClipError, match=r"skill 'pronk' has no clip .*found: trot.*python -m camp\.dataset"):
         load_clips(tmp_path, ["trot", "pronk"])
 

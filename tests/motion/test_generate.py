@@ -13,13 +13,21 @@ from camp.dataset import main
 from camp.errors import ClipError
 from camp.motion.clips import Clip, load_clip, save_clip
 from camp.motion.generate import AppliedNoise, generate_clip, generate_dataset
-from camp.motion.requests import ClipRequest, describe_command, perturbed_requests, shipped_requests
-from camp.motion.validate import check_clip
+from camp.motion.requests import (
+    PUSH_DURATION,
+    ClipRequest,
+    Push,
+    bearable,
+    describe_command,
+    perturbed_requests,
+    shipped_requests,
+)
+from camp.motion.validate import check_clip, heading_velocity
 from camp.robots.go2 import FOOT_NAMES, load_model
 
 STEPS = 50  # 1 s
 STEADY = ClipRequest("trot", 3.0, (0.4, 0.0, 0.2))
-PERTURBED = ClipRequest("pronk", 3.0, (0.3, 0.0, 0.0), seed=5, noise_std=0.05, from_standing=True)
+PERTURBED = ClipRequest("pronk", 3.0, (0.3, 0.0, 0.0), seed=5, noise_std=0.05, from_standing=True, split="perturbed")
 
 
 @pytest.fixture(scope="module")
@@ -85,6 +93,55 @@ def test_rows_are_the_simulations(steady: Clip) -> None:
         np.testing.assert_allclose(steady.foot_velocity[row, leg], to_base @ velocity[3:], atol=1e-4)
 
 
+def test_a_course_is_followed() -> None:
+    start, end = (0.0, 0.0, 0.0), (0.3, 0.0, 0.2)
+    request = ClipRequest("trot", 3.0, start, split="varied", variant="x", course=((0.2, start), (0.7, end)))
+    np.testing.assert_allclose(request.command_at(0.45), [0.15, 0.0, 0.1])
+    clip = generate_clip(request, steps=75)
+    assert clip.split == "varied"
+    np.testing.assert_allclose(clip.command[5], start, atol=1e-6)
+    np.testing.assert_allclose(clip.command[40], end, atol=1e-6)
+    np.testing.assert_allclose(heading_velocity(clip)[58:].mean(axis=0), end, atol=0.05)
+
+
+def test_a_push_moves_the_robot_and_it_recovers() -> None:
+    pushes = (Push(0.2, (0.0, 40.0)),)
+    request = ClipRequest("trot", 3.0, (0.0, 0.0, 0.0), split="recovery", variant="x", pushes=pushes)
+    clip, calm = generate_clip(request, steps=80), generate_clip(replace(request, pushes=()), steps=80)
+    sideways = heading_velocity(clip)[:, 1] - heading_velocity(calm)[:, 1]
+    assert np.abs(sideways[:11]).max() < 1e-6  # the row that is pushed first still holds the state before it
+    assert sideways[15] == pytest.approx(40.0 * PUSH_DURATION / 15.2, rel=0.4)
+    assert np.abs(sideways[70:]).mean() < 0.05
+    assert clip.command.shape == (80, 3)
+
+
+def test_a_lower_body() -> None:
+    usual = ClipRequest("pace", 3.0, (0.0, 0.0, 0.0))
+    low = replace(usual, height=-0.025)
+    heights = [generate_clip(request, steps=25).base_position[:, 2].mean() for request in (usual, low)]
+    assert heights[0] - heights[1] == pytest.approx(0.025, abs=0.005)
+
+
+def test_a_change_of_gait() -> None:
+    request = ClipRequest("pace", 3.0, (0.2, 0.0, 0.0), split="transition", previous_gait="trot")
+    clip = generate_clip(request, steps=160)
+    assert (clip.gait, clip.previous_gait, clip.split) == ("pace", "trot", "transition")
+    assert 75 < clip.switch_step <= 75 + 17  # the first stride that begins after 1.5 s
+    assert request.name == "trot_to_pace_3hz_forward_0.2"
+    before, after = clip.foot_contact[:70], clip.foot_contact[110:]
+    assert (before[:, 0] == before[:, 3]).mean() > 0.9  # diagonal legs together
+    assert (after[:, 0] == after[:, 2]).mean() > 0.9  # legs of a side together
+
+
+def test_standing() -> None:
+    request = ClipRequest("stand", 0.0, (0.0, 0.0, 0.0), split="stand", variant="low", height=-0.05)
+    clip = generate_clip(request, steps=25)
+    assert request.name == "stand_low"
+    assert clip.foot_contact.all()
+    assert np.abs(clip.joint_velocity).max() < 0.1
+    assert clip.base_position[:, 2].mean() == pytest.approx(0.237, abs=0.01)
+
+
 def test_fall_is_an_error() -> None:
     with pytest.raises(ClipError, match="the robot fell"):
         generate_clip(ClipRequest("pace", 2.0, (0.5, 0.0, 0.0), noise_std=0.6, from_standing=True))
@@ -130,15 +187,44 @@ def test_names_say_what_is_shown() -> None:
     assert PERTURBED.name == "pronk_3hz_perturbed_00005"
 
 
-def test_request_lists() -> None:
+def test_shipped_requests() -> None:
     shipped = shipped_requests()
-    assert len({request.name for request in shipped}) == len(shipped) == 96
-    slow_pronk = [r.command for r in shipped if (r.gait, r.frequency_hz) == ("pronk", 2.0)]
-    assert max(command[0] for command in slow_pronk) == 0.8  # knee limits
-    perturbed = perturbed_requests(64, seed=1)
-    assert perturbed == perturbed_requests(64, seed=1) != perturbed_requests(64, seed=2)
+    names = [request.name for request in shipped]
+    assert len(set(names)) == len(names) <= 310
+    cells = {(gait, rate) for gait in ("trot", "pace", "bound", "pronk") for rate in (2.0, 3.0, 4.0)}
+    for split in ("steady", "varied", "recovery"):
+        assert {(r.gait, r.frequency_hz) for r in shipped if r.split == split} == cells
+    changes = {(r.previous_gait, r.gait) for r in shipped if r.split == "transition"}
+    assert len(changes) == 12  # every gait into every other
+    for gait, rate in cells:
+        commands = np.array(
+            [r.command for r in shipped if r.split == "steady" and (r.gait, r.frequency_hz) == (gait, rate)]
+        )
+        assert (commands.min(axis=0) < -0.1).all() and (commands.max(axis=0) >= 0.2).all()
+        assert (commands == 0.0).all(axis=1).any()  # stepping in place
+
+
+def test_what_a_gait_does_not_bear_is_slowed_down() -> None:
+    assert bearable("trot", 2.0, (1.0, 0.0, 0.0)) == (1.0, 0.0, 0.0)
+    assert bearable("pronk", 2.0, (1.0, 0.1, 0.0)) == (0.8, 0.1, 0.0)  # knee limits
+    assert bearable("pronk", 3.0, (1.0, 0.0, 0.4)) == (1.0, 0.0, 0.4)
+
+
+def test_pushes_leave_alone_what_is_replayed() -> None:
+    pushed = [request for request in shipped_requests() if request.pushes]
+    times = np.array([[push.time for push in request.pushes] for request in pushed])
+    assert times.min() > 0.5
+    force = np.array([push.force for request in pushed for push in request.pushes])
+    speed = np.linalg.norm(force, axis=1) * PUSH_DURATION / 15.2
+    assert 0.24 < speed.min() < speed.max() < 0.56
+
+
+def test_perturbed_requests() -> None:
+    perturbed = perturbed_requests(96, seed=1)
+    assert perturbed == perturbed_requests(96, seed=1) != perturbed_requests(96, seed=2)
     assert perturbed[:10] == perturbed_requests(10, seed=1)  # a larger set contains the smaller one
-    assert len({request.name for request in perturbed}) == 64
+    assert len({request.name for request in perturbed}) == 96
     assert {request.noise_std for request in perturbed} == {0.0, 0.05, 0.1}
-    counts = {(r.gait, r.frequency_hz): 0 for r in perturbed}
-    assert len(counts) == 8
+    assert {request.split for request in perturbed} == {"perturbed"}
+    assert len({(r.gait, r.frequency_hz) for r in perturbed}) == 12
+    assert sum(bool(request.course) for request in perturbed) == 48

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from camp.metrics.gait import measure_gait
-from camp.motion.clips import Clip, load_clip
-from camp.motion.gaits import GAIT_PHASES
-from camp.motion.report import quality_table
+from camp.motion.clips import SPLITS, Clip, load_clip
+from camp.motion.gaits import nominal_duty, nominal_flight
+from camp.motion.report import quality_table, worst_by_cell
 from camp.motion.requests import shipped_requests
 from camp.motion.validate import check_clip, heading_velocity, replay_error, rotation_matrix
 from camp.paths import assets_root
 
 FOLDER = assets_root() / "motions" / "go2"
 LARGEST_SET = 25e6  # bytes
-REPLAYED = ("trot_2hz_forward_0.9", "pace_2hz_left_0.25", "bound_3hz_turn_left_0.6", "pronk_2hz_in_place")
+REPLAYED = ("trot_2hz_forward_1", "pace_4hz_left_0.25", "bound_3hz_turn_left_0.6", "pronk_2hz_pushed_00001")
 
 
 def single(values: list[float]) -> np.ndarray:
@@ -32,26 +32,43 @@ def failed(clip: Clip, replay: bool = False) -> set[str]:
     return {check.name for check in check_clip(clip, replay=replay) if not check.passed}
 
 
-def test_all_requests_are_shipped() -> None:
-    assert {path.stem for path in FOLDER.glob("*.npz")} == {request.name for request in shipped_requests()}
+@pytest.fixture(scope="module")
+def clips() -> dict[str, Clip]:
+    return {path.stem: load_clip(path) for path in sorted(FOLDER.glob("*.npz"))}
+
+
+def test_all_requests_are_shipped(clips: dict[str, Clip]) -> None:
+    requests = {request.name: request for request in shipped_requests()}
+    assert clips.keys() == requests.keys()
+    for name, clip in clips.items():
+        request = requests[name]
+        assert (len(clip), clip.dt) == (200, 0.02), name
+        assert (clip.gait, clip.frequency_hz) == (request.gait, request.frequency_hz), name
+        assert (clip.split, clip.seed, clip.previous_gait) == (request.split, request.seed, request.previous_gait), name
     assert sum(path.stat().st_size for path in FOLDER.iterdir()) < LARGEST_SET
 
 
-@pytest.mark.parametrize("gait", GAIT_PHASES)
-def test_shipped_clips_are_good(gait: str) -> None:
-    paths = sorted(FOLDER.glob(f"{gait}_*.npz"))
-    assert len(paths) == 24
-    for path in paths:
-        clip = load_clip(path)
-        assert (len(clip), clip.dt, clip.gait) == (200, 0.02, gait), path.name
-        assert failed(clip) == set(), path.name
+@pytest.mark.parametrize("split", [split for split in SPLITS if split != "perturbed"])
+def test_shipped_clips_are_good(clips: dict[str, Clip], split: str) -> None:
+    chosen = {name: clip for name, clip in clips.items() if clip.split == split}
+    assert chosen
+    assert {name: failed(clip) for name, clip in chosen.items() if failed(clip)} == {}
 
 
-def test_gait_metric_labels_every_shipped_clip() -> None:
-    clips = [load_clip(path) for path in sorted(FOLDER.glob("*.npz"))]
-    measured = measure_gait(np.stack([clip.foot_contact for clip in clips]), 0.02)
-    assert measured.label.tolist() == [clip.gait for clip in clips]
-    np.testing.assert_allclose(measured.frequency_hz, [clip.frequency_hz for clip in clips], rtol=0.03)
+def test_gait_metric_labels_every_steady_clip(clips: dict[str, Clip]) -> None:
+    steady = [clip for clip in clips.values() if clip.split == "steady"]
+    measured = measure_gait(np.stack([clip.foot_contact for clip in steady]), 0.02)
+    assert measured.label.tolist() == [clip.gait for clip in steady]
+    np.testing.assert_allclose(measured.frequency_hz, [clip.frequency_hz for clip in steady], rtol=0.03)
+
+
+def test_transitions_end_in_their_gait(clips: dict[str, Clip]) -> None:
+    """A second before the change the feet show the previous gait, in the last second the other one."""
+    for name, clip in clips.items():
+        if clip.split == "transition":
+            before = clip.foot_contact[clip.switch_step - 50 : clip.switch_step]
+            labels = measure_gait(np.stack([before, clip.foot_contact[-50:]]), clip.dt).label.tolist()
+            assert labels == [clip.previous_gait, clip.gait], name
 
 
 @pytest.mark.parametrize("name", REPLAYED)
@@ -108,8 +125,24 @@ def test_broken_clip_is_caught(name: str) -> None:
 
 def test_unsteady_clips_are_not_held_to_a_gait() -> None:
     clip = shipped("trot_3hz_forward_0.6")
-    varying = replace(clip, command=np.tile(clip.command, (200, 1)), foot_contact=~clip.foot_contact[:, [0, 1, 0, 1]])
-    assert failed(varying) == set()
+    other_gait = replace(clip, gait="pace")
+    assert {"phase error (strides)", "contact match"} <= failed(other_gait)
+    assert failed(replace(other_gait, split="perturbed", command=np.tile(clip.command, (200, 1)))) == set()
+
+
+def test_clips_without_targets_are_not_replayed() -> None:
+    clip = shipped("trot_3hz_forward_0.6")
+    imported = replace(clip, source="amp", joint_target=clip.joint_position, joint_target_applied=clip.joint_target)
+    assert failed(imported, replay=True) == set()
+
+
+@pytest.mark.parametrize(
+    ("gait", "frequency", "duty", "flight"),
+    [("trot", 2.0, 0.5, 0.0), ("trot", 2.5, 0.5, 0.0), ("pronk", 2.5, 0.55, 0.45), ("bound", 4.0, 5 / 12, 1 / 6)],
+)
+def test_nominal_duty_and_flight(gait: str, frequency: float, duty: float, flight: float) -> None:
+    assert nominal_duty(gait, frequency) == pytest.approx(duty)
+    assert nominal_flight(gait, frequency) == pytest.approx(flight, abs=1e-3)
 
 
 def test_heading_velocity_of_a_turned_robot() -> None:
@@ -134,3 +167,15 @@ def test_table_shows_the_worst() -> None:
     assert table.row_count == 2
     for column, check in zip(table.columns[1:], worse, strict=True):
         assert str(column.footer) == f"{check.value:.3f}"
+
+
+def test_worst_of_a_cell() -> None:
+    names = ("pace_3hz_in_place", "pace_3hz_left_0.25", "trot_3hz_in_place")
+    clips = {name: shipped(name) for name in names}
+    results = {name: check_clip(clip, replay=False) for name, clip in clips.items()}
+    worst = worst_by_cell(clips, results)
+    assert list(worst) == [("steady", "trot", 3.0), ("steady", "pace", 3.0)]
+    slip = [check.value for name in names[:2] for check in results[name] if check.name == "stance slip (m/s)"]
+    assert worst["steady", "pace", 3.0]["stance slip (m/s)"].value == max(slip)
+    match = [check.value for name in names[:2] for check in results[name] if check.name == "contact match"]
+    assert worst["steady", "pace", 3.0]["contact match"].value == min(match)

@@ -26,12 +26,21 @@ class GaitController:
     """
 
     def __init__(
-        self, model: mujoco.MjModel, data: mujoco.MjData, schedule: GaitSchedule, stand_duration: float
+        self,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        schedule: GaitSchedule,
+        stand_duration: float,
+        height: float = 0.0,
     ) -> None:
-        """`data` holds the standing robot at the origin, forward kinematics done; `stand_duration` in s."""
+        """`data` holds the standing robot, forward kinematics done, heading along x.
+
+        stand_duration: before the gait begins, s; height: of the CoM above the gait's usual one, m.
+        """
         base = model.body("base").id
         self.schedule = schedule
-        self.parameters: ExpertParameters = expert_parameters(schedule.gait, schedule.frequency_hz)
+        self.parameters: ExpertParameters = expert_parameters(schedule.gait, schedule.frequency_hz, height)
+        self._model, self._height = model, height
         self.body = measure_body(model, data, base)
         self.leg_momentum = LegMomentum(schedule)
         self.reference = PeriodicReference(schedule, self.body, self.parameters.posture, self.parameters.reference)
@@ -44,6 +53,17 @@ class GaitController:
         self._swing = SwingLegs(schedule, self.parameters.swing, self.parameters.posture.swing_height)
         self._plan: ForcePlan | None = None
         self._stride = 0
+
+    def succeed(self, data: mujoco.MjData, schedule: GaitSchedule, stand_duration: float) -> GaitController:
+        """A controller of another gait that takes over on the way, at the twist walked.
+
+        All feet stay down for `stand_duration` s before the new gait begins, so call it where a stride begins.
+        """
+        successor = GaitController(self._model, data, schedule, stand_duration, self._height)
+        successor.target.heading = self.target.heading.copy()
+        successor.target.command = self.target.command
+        successor.reference.solve(self.target.command, successor.leg_momentum)
+        return successor
 
     def read(self, data: mujoco.MjData) -> RobotState:
         """The robot as the controller sees it; positions and velocities of `data` must be up to date."""

@@ -22,20 +22,32 @@ LARGEST_ACCELERATION = np.array([1.0, 1.0, 1.5])  # m/s^2, m/s^2, rad/s^2: how f
 class Expert:
     """Walks one gait; `command` (3,) is the twist taken up so far, on its way to what was asked for."""
 
-    def __init__(self, data: mujoco.MjData, schedule: GaitSchedule, stand_duration: float) -> None:
-        """`data`: the learner's robot, standing at the origin."""
+    def __init__(self, data: mujoco.MjData, schedule: GaitSchedule, stand_duration: float, height: float = 0.0) -> None:
+        """`data`: the learner's robot, standing at the origin; stand_duration in s; height: see GaitController."""
         self._model = load_torque_model(data.model.opt.timestep)
         self._copy = mujoco.MjData(self._model)
         self._steps = round(CONTROL_PERIOD / self._model.opt.timestep)
         self._gain_p, self._gain_d = np.array(PD_GAIN_P), np.array(PD_GAIN_D)
         self.command = np.zeros(3)
         self._synchronize(data)
-        self.controller = GaitController(self._model, self._copy, schedule, stand_duration)
+        self.controller = GaitController(self._model, self._copy, schedule, stand_duration, height)
 
     @property
     def time(self) -> float:
         """Time since the gait began in s, negative while standing."""
         return self.controller.target.time
+
+    @property
+    def begins_stride(self) -> bool:
+        """Whether a stride began within the last control step."""
+        frequency = self.controller.schedule.frequency_hz
+        now, before = self.time, self.time - CONTROL_PERIOD
+        return bool(np.floor(now * frequency + 1e-6) > np.floor(before * frequency + 1e-6))
+
+    def change_gait(self, data: mujoco.MjData, schedule: GaitSchedule, stand_duration: float) -> None:
+        """Walk another gait from now on, after `stand_duration` s on all four feet."""
+        self._synchronize(data)
+        self.controller = self.controller.succeed(self._copy, schedule, stand_duration)
 
     @property
     def predicted_joint_position(self) -> np.ndarray:

@@ -102,3 +102,21 @@ class GaitSchedule:
     def grid_index(self, time: float) -> int:
         """Index of the control interval that holds `time`, counted from t = 0 (negative before it)."""
         return int(np.floor(time / self.grid_period + _PHASE_TOLERANCE))
+
+
+def nominal_duty(gait: str, frequency_hz: float) -> float:
+    """Duty factor of a gait at any stride frequency: the table's, interpolated, for motion from elsewhere too."""
+    table = DUTY_FACTOR[gait]
+    return float(np.interp(frequency_hz, list(table), list(table.values())))
+
+
+def nominal_contact(gait: str, frequency_hz: float, time: np.ndarray) -> np.ndarray:
+    """Which legs should stand, bool (..., 4), at `time` (...) in s, at any stride frequency."""
+    phase = np.mod(np.asarray(time, dtype=float)[..., None] * frequency_hz - GAIT_PHASES[gait], 1.0)
+    return phase < nominal_duty(gait, frequency_hz)
+
+
+def nominal_flight(gait: str, frequency_hz: float) -> float:
+    """Share of the stride in which no leg stands."""
+    moments = (np.arange(1200) + 0.5) / 1200 / frequency_hz
+    return float(1.0 - nominal_contact(gait, frequency_hz, moments).any(axis=-1).mean())

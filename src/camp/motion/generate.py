@@ -13,20 +13,23 @@ import mujoco
 import numpy as np
 
 from camp.errors import CampError, ClipError
-from camp.motion.clips import Clip, load_clip, save_clip
+from camp.motion.clips import STAND, Clip, load_clip, save_clip
 from camp.motion.expert import CONTROL_PERIOD, Expert
 from camp.motion.gaits import GaitSchedule
 from camp.motion.recording import Answer, Recorder
-from camp.motion.requests import ClipRequest
+from camp.motion.requests import PUSH_DURATION, ClipRequest
 from camp.motion.validate import check_clip
 from camp.robots.go2 import DEFAULT_JOINT_POSITION, STANDING_HEIGHT, load_model
 
 CLIP_STEPS = 200  # rows, 4 s
-WARM_UP = 3.0  # s of walking before a steady clip is recorded
+WARM_UP = 3.0  # s of walking before a clip is recorded that does not begin with standing
 STAND_DURATION = 0.2  # s before the gait begins
+CHANGE_DURATION = 0.15  # s on all four feet between two gaits
+CHANGE_TIME = 1.5  # s of the recording after which the next stride changes the gait
 NOISE_ONSET = 0.3  # s of walking before noise sets in
 NOISE_CORRELATION = 0.5  # from one control step to the next
 _FALLEN_HEIGHT, _FALLEN_UPRIGHTNESS = 0.12, 0.5  # m; cosine of the tilt
+_ENDLESS = 1e3  # s, how long a standing robot waits for a gait
 
 
 class AppliedNoise:
@@ -46,26 +49,45 @@ def generate_clip(request: ClipRequest, steps: int = CLIP_STEPS) -> Clip:
     """Walk and record `steps` control steps. Deterministic. Raises ClipError where the robot falls."""
     model = load_model()
     data = _standing(model)
-    expert = Expert(data, GaitSchedule(request.gait, request.frequency_hz), STAND_DURATION)
+    expert = _expert(data, request)
     noise = AppliedNoise(request.noise_std, request.seed)
     recorder = Recorder(model)
-    first_time = -np.inf if request.from_standing else WARM_UP
-    command = np.array(request.command)
-    while len(recorder) < steps:
-        started = expert.time >= first_time - 1e-6
+    before = 0 if request.from_standing else round((STAND_DURATION + WARM_UP) / CONTROL_PERIOD)
+    switch_step = 0
+    for step in range(before + steps):
+        time = (step - before) * CONTROL_PERIOD  # of the recording
+        if request.previous_gait and not switch_step and time > CHANGE_TIME and expert.begins_stride:
+            expert.change_gait(data, GaitSchedule(request.gait, request.frequency_hz), CHANGE_DURATION)
+            switch_step = step - before
         noisy = expert.time >= NOISE_ONSET
         state, previous = np.r_[data.qpos, data.qvel], data.ctrl.copy()
         try:
-            target = expert.answer(data, command)
+            target = expert.answer(data, request.command_at(time))
         except ValueError as error:
             raise _fall(request, expert) from error
         applied = target + noise.draw() if noisy else target
+        data.body("base").xfrc_applied[:2] = _push_force(request, time)
         torque = _apply(model, data, applied)
-        if started:
+        if step >= before:
             recorder.add(state, previous, Answer(target, applied, torque, expert.command))
         if _has_fallen(data):
             raise _fall(request, expert)
-    return recorder.clip(request.gait, request.frequency_hz, CONTROL_PERIOD, steady=not request.from_standing)
+    return recorder.clip(request, CONTROL_PERIOD, switch_step)
+
+
+def _expert(data: mujoco.MjData, request: ClipRequest) -> Expert:
+    if request.gait == STAND:  # waits on its feet for a gait that never begins
+        return Expert(data, GaitSchedule("trot", 2.0), _ENDLESS, request.height)
+    first = request.previous_gait or request.gait
+    return Expert(data, GaitSchedule(first, request.frequency_hz), STAND_DURATION, request.height)
+
+
+def _push_force(request: ClipRequest, time: float) -> tuple[float, float]:
+    """Force (x, y) in N on the base in the control step that begins at `time` s of the recording."""
+    for push in request.pushes:
+        if -1e-6 < time - push.time < PUSH_DURATION - 1e-6:
+            return push.force
+    return 0.0, 0.0
 
 
 @dataclass(frozen=True)
@@ -108,9 +130,7 @@ def _work(job: tuple[ClipRequest, Path]) -> Outcome:
         clip = generate_clip(request)
         bad = [check for check in check_clip(clip) if not check.passed]
         if bad:
-            raise ClipError(
-                "; ".join(f"{check.name} {check.value:.3g} is not {check.bound} {check.limit:.3g}" for check in bad)
-            )
+            raise ClipError("; ".join(map(str, bad)))
         save_clip(folder / f"{request.name}.npz", clip)
     except CampError as error:
         return Outcome(request, "failed", str(error), time.perf_counter() - start)

@@ -59,7 +59,6 @@ class SwingGains:
     damping: float = 55.0  # 1/s
     commit_phase: float = 0.85  # swing phase after which the foothold stays fixed
     arrival_phase: float = 0.95  # swing phase at which the foot is above its foothold
-    press_depth: float = 0.002  # m below the floor: makes touchdown certain
 
 
 @dataclass(frozen=True)
@@ -95,9 +94,9 @@ class ExpertParameters:
     whole_body: WholeBodyGains = WholeBodyGains()
 
 
-def expert_parameters(gait: str, frequency_hz: float) -> ExpertParameters:
-    """Parameters for a gait at a stride frequency in Hz."""
-    posture, reference, mpc = Posture(), ReferenceWeights(), MpcWeights()
+def expert_parameters(gait: str, frequency_hz: float, height: float = 0.0) -> ExpertParameters:
+    """Parameters for a gait at a stride frequency in Hz; `height` in m is added to the CoM's usual one."""
+    posture, reference, mpc, swing = Posture(), ReferenceWeights(), MpcWeights(), SwingGains()
     if frequency_hz > 3.5:
         posture = replace(posture, swing_height=0.05)  # .07 m in .125 s asks for 38 N m at the knee
     if gait == "pace":
@@ -107,4 +106,10 @@ def expert_parameters(gait: str, frequency_hz: float) -> ExpertParameters:
         posture = replace(posture, foot_x=0.17)
         reference = ReferenceWeights(_diagonal((60, 0.2, 20), (20, 20, 60), (0.3, 0.15, 0.3), (10, 2, 0.2)))
         mpc = MpcWeights(_diagonal((120, 15, 60), (40, 40, 150), (1.5, 1.5, 1.5), (8, 8, 4)))
-    return ExpertParameters(posture, reference, mpc)
+    if gait == "bound" and frequency_hz > 3.5:
+        # Feet that leave late and touch down early would leave no flight of the 21 ms that are planned.
+        posture = replace(posture, swing_height=0.07)
+    if (gait, frequency_hz) in (("bound", 4.0), ("pronk", 2.0)):
+        swing = replace(swing, arrival_phase=1.0)  # by trial: keeps more contacts on the schedule
+    posture = replace(posture, com_height=posture.com_height + height)
+    return ExpertParameters(posture, reference, mpc, swing)

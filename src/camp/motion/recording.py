@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from camp.motion.clips import Clip
+from camp.motion.requests import ClipRequest
 from camp.robots.go2 import FOOT_NAMES
 
 CONTACT_FORCE = 1.0  # N, least ground reaction that counts as contact
@@ -66,13 +67,22 @@ class Recorder:
             }
         )
 
-    def clip(self, gait: str, frequency_hz: float, period: float, steady: bool) -> Clip:
-        """All rows as a clip that begins at x = y = 0; a steady clip keeps its last command alone."""
+    def clip(self, request: ClipRequest, period: float, switch_step: int = 0) -> Clip:
+        """All rows as a clip that begins at x = y = 0; where one command is held, the last one alone is kept."""
         rows = {name: np.array([row[name] for row in self._rows]) for name in self._rows[0]}
         rows["base_position"][:, :2] -= rows["base_position"][0, :2].copy()
-        if steady:
+        if request.holds_command:
             rows["command"] = rows["command"][-1]
         single: dict[str, Any] = {
             name: row if row.dtype == bool else row.astype(np.float32) for name, row in rows.items()
         }
-        return Clip(dt=period, gait=gait, frequency_hz=frequency_hz, **single)
+        return Clip(
+            dt=period,
+            gait=request.gait,
+            frequency_hz=request.frequency_hz,
+            split=request.split,
+            seed=request.seed,
+            previous_gait=request.previous_gait,
+            switch_step=switch_step,
+            **single,
+        )

@@ -56,7 +56,6 @@ class SwingLegs:
             self._swinging[leg] = True
         if lifting_off or share < gains.commit_phase:
             self._goal[leg] = target.foothold(leg, target.time + (1.0 - share) * duration, shift)
-            self._goal[leg, 2] -= gains.press_depth
 
         path = self._goal[leg] - self._start[leg]
         early = gains.arrival_phase

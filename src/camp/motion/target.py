@@ -21,6 +21,7 @@ from camp.motion.rigid_body import (
 )
 from camp.robots.go2 import FOOT_RADIUS
 
+SETTLE_DURATION = 2.0  # s, at most, in which a standing robot takes on the gait's height
 LARGEST_LAG = 0.06  # m the heading frame may be ahead of the robot before it waits
 
 
@@ -92,7 +93,8 @@ class MotionTarget:
     def _deviation(self, time: float) -> np.ndarray:
         if time >= 0.0:
             return self.reference.deviation(time)
-        share = -time / self._stand_duration
+        settle = min(self._stand_duration, SETTLE_DURATION)
+        share = max(0.0, 1.0 - (time + self._stand_duration) / settle)
         deviation = np.zeros(STATE_SIZE)
         deviation[5] = share * self._stand_height + (1.0 - share) * self.reference.posture.com_height
         return deviation

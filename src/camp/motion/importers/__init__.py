@@ -1,0 +1,1 @@
+"""Motions of other projects, read into the clip format."""
