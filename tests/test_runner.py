@@ -94,6 +94,12 @@ def test_ablations_build_only_what_they_keep(config):
     assert build_training(config).priors == []
 
 
+def test_mirror_images_double_the_demonstrations(config):
+    plain = len(build_training(config).clips)
+    config.motion.mirrored = True
+    assert len(build_training(config).clips) == 2 * plain
+
+
 def test_gaits_at_each_frequency_are_skills_of_their_own(config, tmp_path):
     config.motion.labels, config.run.iterations = "gait_frequency", 1
     config.motion.skills = ["trot", "bound"]

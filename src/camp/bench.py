@@ -20,7 +20,7 @@ from omegaconf import DictConfig
 from rich.console import Console
 from rich.table import Table
 
-from camp.build import build_training
+from camp.build import Training, build_training
 from camp.cli import run_hydra
 from camp.config import Config, resolve
 from camp.envs.quadruped import QuadrupedEnv
@@ -32,6 +32,7 @@ from camp.versions import collect_versions
 
 ROUNDS = 5  # of each contender in turn, so that a drifting machine slows all alike
 STEPS = 40  # control steps per round
+SAMPLE_SIZE = 2048  # expert transitions per batch
 NOISE = 0.25  # rad, of the random targets
 
 
@@ -71,6 +72,7 @@ def bench(composed: DictConfig) -> None:
     training = build_training(config)
     training.env.reset()
     _print_stepping(_stepping(training.env, config))
+    _print_sampling(training)
     _print_iteration(_iteration(Runner(training, config, Path())), config)
     training.env.close()
 
@@ -169,6 +171,19 @@ def _time(owner: Any, name: str, clock: dict[str, float], part: str) -> None:
             clock[part] += time.perf_counter() - started
 
     setattr(owner, name, timed)
+
+
+def _print_sampling(training: Training) -> None:
+    """How many expert transitions the discriminators could be given per second."""
+    demonstrations, size = training.demonstrations, SAMPLE_SIZE
+    generator = training.generators["priors"]
+    demonstrations.sample(size, generator)
+    started = time.perf_counter()
+    for _ in range(STEPS):
+        demonstrations.sample(size, generator)
+    rate = STEPS * size / (time.perf_counter() - started)
+    memory = demonstrations.memory_bytes / 2**20
+    print(f"expert transitions: {len(demonstrations):,} preloaded ({memory:.0f} MiB), {rate:,.0f} sampled per second")
 
 
 def _print_stepping(speeds: dict[str, list[float]]) -> None:

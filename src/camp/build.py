@@ -61,7 +61,7 @@ def motion_folder(config: Config) -> Path:
 def expert_clips(config: Config) -> list[Clip]:
     """The clips that show one of the configured skills. Raises ClipError where a gait has none."""
     skills = config.motion.skill_set()
-    clips = load_clips(motion_folder(config), config.motion.skills)
+    clips = load_clips(motion_folder(config), config.motion.skills, with_mirrored=config.motion.mirrored)
     return [clip for clip in clips if label_of(clip.gait, clip.frequency_hz, skills) is not None]
 
 
