@@ -131,7 +131,7 @@ def few_clips(tmp_path) -> Path:
     shipped, folder = motion_folder(compose_config()), tmp_path / "clips"
     folder.mkdir()
     for gait in ("trot", "pace", "bound", "pronk"):
-        source = next(shipped.glob(f"{gait}_*.npz"))
+        source = shipped / f"{gait}_3hz_forward_0.6.npz"
         shutil.copy(source, folder / source.name)
     return folder
 
