@@ -20,6 +20,7 @@ from camp.logger import RunIdentity, RunLogger
 from camp.motion.clips import Clip, load_clip, load_clips
 from camp.motion.gaits import GAIT_PHASES
 from camp.motion.sampler import Demonstrations, ReferenceStates
+from camp.motion.skills import skill_set
 from camp.progress import Progress
 from camp.runner import Runner
 from tests.motion.foreign import FOLDER, imported_folder, kine2go_table, shipped
@@ -29,10 +30,11 @@ def test_imported_clips_feed_the_samplers(tmp_path: Path) -> None:
     clips = load_clips(imported_folder(tmp_path), list(GAIT_PHASES))
     assert [clip.source for clip in clips] == ["amp"] * 4
     generator = torch.Generator().manual_seed(0)
-    demonstrations = Demonstrations(clips, list(GAIT_PHASES), 400, generator)
+    skills = skill_set(tuple(GAIT_PHASES), "gait", ())
+    demonstrations = Demonstrations(clips, skills, 400, generator)
     batch = demonstrations.sample(64, generator)
     assert batch.state.shape == (64, 2, 43) and torch.isfinite(batch.state).all()
-    states = ReferenceStates(clips, list(GAIT_PHASES)).sample(torch.arange(4), generator)
+    states = ReferenceStates(clips, skills).sample(torch.arange(4), generator)
     assert states.base_height.shape == (4,)
     np.testing.assert_allclose(states.joint_target_applied_previous, states.joint_position, atol=1e-6)
 
