@@ -14,7 +14,6 @@ from camp.motion.gaits import GaitSchedule
 from camp.robots.go2 import JOINT_LOWER, JOINT_SPEED_LIMIT, JOINT_UPPER, TORQUE_LIMIT, load_model
 
 REPLAY_DURATION = 0.5  # s
-REPLAY_GOAL = 0.05  # rad, stricter than what is required; reported beside it
 
 LOWEST_BASE = 0.15  # m
 LARGEST_TILT = 0.8  # rad, the environment's own limit
