@@ -10,8 +10,7 @@ from camp.algo.ppo import PPO
 from camp.data import Decision, Rollout, Step
 from camp.envs.quadruped import QuadrupedEnv
 from camp.gait_monitor import GaitMonitor
-
-FAST_COMMAND_M_S = 0.4  # from here on velocity errors are reported apart: slow commands are met by standing
+from camp.metrics.tracking import FAST_COMMAND_M_S
 
 
 class Collector:

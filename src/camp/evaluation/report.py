@@ -11,6 +11,7 @@ from rich.table import Table
 from camp.evaluation.rollout import Recording
 from camp.metrics.gait import label_over_time, measure_gait, switch_time
 from camp.metrics.tracking import (
+    FAST_COMMAND_M_S,
     by_joint_kind,
     joint_tracking_accuracy,
     joint_tracking_of_range,
@@ -18,8 +19,6 @@ from camp.metrics.tracking import (
     velocity_error,
 )
 from camp.motion.skills import NO_SKILL, Skill, names, performed
-
-FAST_COMMAND_M_S = 0.4  # commands from here on cannot be met by standing
 
 
 def summarize(recording: Recording, skills: Sequence[Skill], discard_s: float) -> dict[str, Any]:

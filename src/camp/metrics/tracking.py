@@ -10,9 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from camp.robots.go2 import JOINT_KINDS
+
 Array = NDArray[np.floating]
 
-JOINT_KINDS = ("hip", "thigh", "calf")  # order within each leg
+FAST_COMMAND_M_S = 0.4  # from here on errors are reported apart: slower commands are nearly met by standing
 
 
 @dataclass(frozen=True)
