@@ -105,6 +105,15 @@ def load_checkpoint(source: Path, device: torch.device | str = "cpu") -> dict[st
         raise CheckpointError(f"{error}; {_remedy(path)}") from error.__cause__
 
 
+def copied(state: Any, device: torch.device | str) -> Any:
+    """``state`` with a copy of every tensor in it on ``device``."""
+    if isinstance(state, Tensor):
+        return state.to(device, copy=True)
+    if isinstance(state, Mapping):
+        return {key: copied(value, device) for key, value in state.items()}
+    return state
+
+
 def _read(path: Path, device: torch.device | str) -> dict[str, Any]:
     try:
         with zipfile.ZipFile(path) as archive:

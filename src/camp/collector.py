@@ -21,7 +21,7 @@ class Collector:
         self.env, self.ppo, self.monitor, self.device = env, ppo, monitor, device
 
     def collect(self, steps: int, generator: torch.Generator) -> tuple[Rollout, dict[str, float]]:
-        """``steps`` control steps of every robot; also metrics of what happened.
+        """``steps`` control steps of every robot; also metrics of what happened. Waits for the device at the end only.
 
         The successor's value is the critic's of the observation BEFORE a reset, so that a time-out is bootstrapped
         with the state it cut off.
@@ -60,6 +60,7 @@ class Collector:
             transition=stacked("transition"),
             skill=stacked("skill"),
         )
+        self.env.sim.verify()
         return rollout, averages.result() | {"env/diverged": float(self.env.num_diverged)}
 
     def _next_value(self, value: Tensor, results: list[Step]) -> Tensor:
@@ -68,8 +69,8 @@ class Collector:
         next_value = torch.cat([value[1:], last[None]])
         truncated = torch.stack([result.truncated for result in results])
         if truncated.any():
-            observation = torch.cat([result.final_observation[result.truncated] for result in results])
-            hidden = torch.cat([result.final_privileged[result.truncated] for result in results])
+            observation = torch.stack([result.final_observation for result in results])[truncated]
+            hidden = torch.stack([result.final_privileged for result in results])[truncated]
             final = self.ppo.value(self._here(observation), self._here(hidden))
             next_value[self._here(truncated)] = final
         return next_value
@@ -85,7 +86,7 @@ def _record(step: Step, averages: Averages) -> None:
     linear = error[:, :2].norm(dim=1)
     fast = step.command[:, :2].norm(dim=1) >= FAST_COMMAND_M_S
     averages.add("tracking/linear_error", linear)
-    averages.add("tracking/linear_error_fast", linear[fast])
+    averages.add("tracking/linear_error_fast", linear, where=fast)
     averages.add("tracking/yaw_rate_error", error[:, 2].abs())
     averages.add("env/falls_per_1000_steps", 1000.0 * step.terminated)
     averages.add("env/feet_in_contact", step.foot_contact.float().sum(1))

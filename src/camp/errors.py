@@ -9,6 +9,10 @@ class ConfigError(CampError):
     """A configuration key holds a value that cannot work."""
 
 
+class SimulationError(CampError):
+    """The simulator met a situation that it cannot simulate as modelled."""
+
+
 class ClipError(CampError):
     """An expert motion clip is missing, unreadable or wrong."""
 

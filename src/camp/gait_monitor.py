@@ -39,8 +39,8 @@ class GaitMonitor:
         self._contact[self._next] = step.foot_contact
         self._next = (self._next + 1) % len(self._contact)
         same = step.skill == self._skill
-        self._steady = torch.where(same, self._steady + 1, torch.ones_like(self._steady))
-        self._steady[step.terminated | step.truncated] = 0
+        steady = torch.where(same, self._steady + 1, torch.ones_like(self._steady))
+        self._steady = steady.masked_fill(step.terminated | step.truncated, 0)
         self._skill = step.skill
 
     def read(self) -> dict[str, float]:

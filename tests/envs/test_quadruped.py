@@ -11,7 +11,8 @@ import torch
 from camp.build import build_env
 from camp.config import Config
 from camp.envs.commands import sample_commands
-from camp.envs.quadruped import QuadrupedEnv
+from camp.envs.measurement import measure
+from camp.envs.quadruped import STARTS_PERIOD_S, QuadrupedEnv
 from camp.motion.clips import Clip, amp_state
 from camp.robots import go2
 
@@ -196,6 +197,31 @@ def test_a_diverged_simulation_ends_its_episode_and_stays_finite(config, clips):
     ):
         assert torch.isfinite(tensor).all()
     assert torch.isfinite(env.advance(ZERO).observation).all()
+
+
+def test_starts_are_drawn_anew_on_a_clock(config, clips):
+    config.env.randomization.enabled, config.env.initialization.reference_share = True, 1.0
+    config.env.episode_s = STARTS_PERIOD_S
+    env = make(config, clips)
+    steps = round(STARTS_PERIOD_S / 0.02)
+    first = env.amp_state.clone(), env.dynamics.payload_mass.clone()
+    for _ in range(steps):
+        env.advance(ZERO)
+    assert (env.step_count == 0).all()  # every episode has ended, and begun with another start
+    assert not (first[0] == env.amp_state).all(dim=1).any()
+    assert not (first[1] == env.dynamics.payload_mass).any()
+
+
+def test_a_start_is_what_the_simulator_then_shows(config, clips):
+    config.env.randomization.enabled = True
+    env = make(config, clips)
+    measured = measure(env.sim.state)
+    torch.testing.assert_close(env.amp_state, measured.amp_state())
+    observation = env.set_command(env.command, env.skill)
+    env.reset(seed=0, options={"stagger": False})
+    torch.testing.assert_close(env.observation, observation)
+    torch.testing.assert_close(env.privileged[:, 3], env.sim.state.base_position[:, 2])
+    assert (env.privileged[:, 4:8] == 0).all() and (env.sim.state.foot_force == 0).all()  # no force felt yet
 
 
 def test_same_seed_same_roll_out_and_state_continues_bit_for_bit(config, clips):

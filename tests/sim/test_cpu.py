@@ -55,7 +55,7 @@ def test_fallen_robot_is_felt_by_its_base():
     sim = make(1)
     upside_down = standing(1, height=0.15)
     upside_down.base_quaternion = torch.tensor([[0.0, 1.0, 0.0, 0.0]])
-    sim.reset(torch.tensor([0]), upside_down)
+    sim.reset(torch.tensor([True]), upside_down)
     for _ in range(50):
         sim.step(POSE[None])
     assert sim.state.body_force[0].norm(dim=-1).max() > 1.0
@@ -66,7 +66,7 @@ def test_subset_reset_leaves_the_others_alone():
     for _ in range(5):
         sim.step(POSE.repeat(4, 1) + 0.1)
     before = sim.state
-    sim.reset(torch.tensor([1, 3]), standing(2, height=0.5))
+    sim.reset(torch.tensor([False, True, False, True]), standing(4, height=0.5))
     after = sim.state
     for name in ("base_position", "joint_position", "joint_velocity", "foot_force"):
         torch.testing.assert_close(getattr(after, name)[[0, 2]], getattr(before, name)[[0, 2]], atol=0, rtol=0)
@@ -78,12 +78,18 @@ def dynamics(num: int) -> Dynamics:
     return Dynamics.nominal(num, 0.8, torch.device("cpu"))
 
 
+def set_dynamics(sim: CpuSimulator, changed: Dynamics) -> None:
+    """Everyone standing, with other physical parameters."""
+    sim.prepare(changed)
+    sim.reset(torch.ones(sim.num_envs, dtype=torch.bool), standing(sim.num_envs))
+
+
 def test_payload_and_link_mass_change_the_total_mass():
     sim = make(3)
     changed = dynamics(3)
     changed.payload_mass[1] = 3.0
     changed.link_mass_scale[2] = 1.2
-    sim.set_dynamics(torch.arange(3), changed)
+    set_dynamics(sim, changed)
     nominal = sim.model.body_mass.sum()
     total = [sim._batch.get_model(env).body_subtreemass[0] for env in range(3)]
     np.testing.assert_allclose(total, [nominal, nominal + 3.0, nominal * 1.2], rtol=1e-6)
@@ -93,7 +99,7 @@ def test_payload_weighs_on_the_feet():
     sim = make(2)
     changed = dynamics(2)
     changed.payload_mass[1] = 1.0
-    sim.set_dynamics(torch.arange(2), changed)
+    set_dynamics(sim, changed)
     weight = torch.zeros(2)
     for step in range(50):
         sim.step(POSE.repeat(2, 1))
@@ -108,7 +114,7 @@ def test_payload_position_shifts_the_load():
     changed.payload_mass[:] = 3.0
     changed.payload_position[0] = torch.tensor([0.0, 0.1, 0.0])
     changed.payload_position[1] = torch.tensor([0.0, -0.1, 0.0])
-    sim.set_dynamics(torch.arange(2), changed)
+    set_dynamics(sim, changed)
     for _ in range(150):
         sim.step(POSE.repeat(2, 1))
     left_minus_right = (sim.state.foot_force[..., 2] * torch.tensor([1.0, -1.0, 1.0, -1.0])).sum(1)
@@ -119,7 +125,7 @@ def test_friction_decides_whether_a_pushed_robot_slides():
     sim = make(2)
     changed = dynamics(2)
     changed.friction[:] = torch.tensor([0.05, 1.5])
-    sim.set_dynamics(torch.arange(2), changed)
+    set_dynamics(sim, changed)
     for _ in range(100):
         sim.step(POSE.repeat(2, 1))
     start = sim.state.base_position[:, 1].clone()
@@ -136,7 +142,7 @@ def test_gains_and_motor_strength_scale_the_torque():
     changed.kp_scale[1] = 0.8
     changed.kd_scale[2] = 1.2
     changed.motor_strength[3] = 0.5
-    sim.set_dynamics(torch.arange(4), changed)
+    set_dynamics(sim, changed)
     expected = {0: (30.0, 1.0), 1: (24.0, 1.0), 2: (30.0, 1.2), 3: (15.0, 0.5)}
     for env, (kp, kd) in expected.items():
         model = sim._batch.get_model(env)
@@ -148,13 +154,14 @@ def test_gains_and_motor_strength_scale_the_torque():
 
 def test_divergence_stays_visible_until_reset():
     sim = make(3)
-    broken = standing(1)
+    second = torch.tensor([False, True, False])
+    broken = standing(3)
     broken.joint_velocity[:] = float("nan")
-    sim.reset(torch.tensor([1]), broken)
+    sim.reset(second, broken)
     for _ in range(3):
         sim.step(POSE.repeat(3, 1))
     assert sim.diverged().tolist() == [False, True, False]
-    sim.reset(torch.tensor([1]), standing(1))
+    sim.reset(second, standing(3))
     sim.step(POSE.repeat(3, 1))
     assert not sim.diverged().any()
     torch.testing.assert_close(sim.state.joint_position[1], sim.state.joint_position[1].nan_to_num())

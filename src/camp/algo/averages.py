@@ -16,10 +16,13 @@ class Averages:
         self._sum: dict[str, Tensor] = {}
         self._count: dict[str, Tensor] = {}
 
-    def add(self, name: str, values: Tensor) -> None:
-        """Takes values of any shape; each element counts once."""
+    def add(self, name: str, values: Tensor, where: Tensor | None = None) -> None:
+        """Takes values of any shape; each element counts once, or those alone at which ``where`` (bool) holds."""
         values = values.detach().to(torch.float32)
-        self._add(name, values.sum(), torch.tensor(float(values.numel()), device=values.device))
+        if where is None:
+            self._add(name, values.sum(), torch.full((), float(values.numel()), device=values.device))
+        else:
+            self._add(name, values.masked_fill(~where, 0.0).sum(), where.sum(dtype=torch.float32))
 
     def add_per_skill(self, name: str, values: Tensor, skill: Tensor, skills: Sequence[str]) -> None:
         """Takes values (B,) with labels (B,) and keeps one mean per skill under `name/<skill>`."""
@@ -33,7 +36,7 @@ class Averages:
         self._count[name] = self._count[name] + count if name in self._count else count
 
     def result(self) -> dict[str, float]:
-        """Mean per name; a skill of which nothing was seen is left out."""
+        """Mean per name; a name of which nothing was seen is left out."""
         if not self._sum:
             return {}
         sums = torch.stack(list(self._sum.values())).tolist()

@@ -5,13 +5,14 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
+from camp.constants import constant
 from camp.envs.commands import uniform
 from camp.envs.config import InitializationConfig
 from camp.envs.measurement import rotate
 from camp.motion.sampler import ReferenceState
 from camp.robots import go2
 from camp.robots.kinematics import foot_position
-from camp.sim.base import InitialState
+from camp.sim.base import InitialState, select
 
 
 def from_reference(reference: ReferenceState) -> InitialState:
@@ -34,9 +35,9 @@ def standing(num: int, config: InitializationConfig, generator: torch.Generator)
     The base is raised or lowered so that the lowest foot just touches the ground.
     """
     device = generator.device
-    default = torch.tensor(go2.DEFAULT_JOINT_POSITION, device=device)
-    joints = default * uniform(config.joint_position_scale, (num, go2.NUM_JOINTS), generator)
-    joints = joints.clamp(torch.tensor(go2.JOINT_LOWER, device=device), torch.tensor(go2.JOINT_UPPER, device=device))
+    scale = uniform(config.joint_position_scale, (num, go2.NUM_JOINTS), generator)
+    joints = constant(go2.DEFAULT_JOINT_POSITION, scale) * scale
+    joints = joints.clamp(constant(go2.JOINT_LOWER, scale), constant(go2.JOINT_UPPER, scale))
     position = torch.zeros(num, 3, device=device)
     position[:, 2] = go2.FOOT_RADIUS - foot_position(joints)[..., 2].amin(dim=1)
     quaternion = torch.zeros(num, 4, device=device)
@@ -53,8 +54,6 @@ def standing(num: int, config: InitializationConfig, generator: torch.Generator)
 
 def merge(choose_first: Tensor, first: InitialState, second: InitialState) -> InitialState:
     """Row by row ``first`` where ``choose_first`` (n,) bool, else ``second``."""
-    mixed = {
-        name: torch.where(choose_first[:, None], getattr(first, name), getattr(second, name))
-        for name in InitialState.__dataclass_fields__
-    }
-    return InitialState(**mixed)
+    return InitialState(
+        **{name: select(choose_first, value, getattr(second, name)) for name, value in vars(first).items()}
+    )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from camp.constants import constant
 from camp.robots.kinematics import foot_position
 from camp.sim.base import RobotState
 
@@ -32,7 +33,7 @@ def rotate(quaternion: Tensor, vector: Tensor) -> Tensor:
 
 def rotate_inverse(quaternion: Tensor, vector: Tensor) -> Tensor:
     """Rotate vectors (..., 3) by the inverse of unit quaternions (..., 4): world frame to base frame."""
-    return rotate(quaternion * quaternion.new_tensor([1.0, -1.0, -1.0, -1.0]), vector)
+    return rotate(quaternion * constant((1.0, -1.0, -1.0, -1.0), quaternion), vector)
 
 
 @dataclass

@@ -12,12 +12,11 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from camp.constants import constant
 from camp.envs.config import NoiseConfig
 from camp.envs.measurement import Measurement
 from camp.robots import go2
 from camp.sim.base import LINK_NAMES, Dynamics
-
-DEFAULT_POSE = torch.tensor(go2.DEFAULT_JOINT_POSITION)
 
 
 @dataclass
@@ -62,7 +61,7 @@ def actor_entries(num_skills: int) -> tuple[Entry, ...]:
             joints,
             "rad",
             "joint, from the default pose",
-            lambda s: s.measurement.joint_position - DEFAULT_POSE.to(s.command.device),
+            lambda s: s.measurement.joint_position - constant(go2.DEFAULT_JOINT_POSITION, s.command),
             "joint_position_rad",
         ),
         Entry(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import gymnasium as gym
@@ -11,24 +12,41 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from torch import Tensor
 
 from camp.algo.losses import mix_rewards
+from camp.checkpoint import copied
+from camp.constants import constant
 from camp.data import Step
-from camp.envs import initialization, observations
+from camp.envs import observations
 from camp.envs.commands import sample_commands, sample_skills, uniform
 from camp.envs.config import EnvConfig
 from camp.envs.measurement import AMP_STATE_SIZE, Measurement, measure
-from camp.envs.randomization import sample_dynamics
-from camp.envs.rewards import angular_velocity_reward, linear_velocity_reward
+from camp.envs.rewards import task_rewards
+from camp.envs.starts import Starts, draw_starts
 from camp.envs.terminations import failed
 from camp.motion.sampler import ReferenceStates
 from camp.robots import go2
-from camp.sim.base import Dynamics, Simulator
+from camp.seeding import generator_state, restore_generator
+from camp.sim.base import Dynamics, Simulator, select
 
 # The observation's bound for values that a diverging simulation produces; far beyond anything physical.
 _OBSERVATION_LIMIT = 1e3
+# A start for every robot is drawn this often, in s, and taken by those whose episode ends meanwhile: what drawing
+# costs is shared by many control steps, and nobody has to wait for the number of robots that need one.
+STARTS_PERIOD_S = 0.4
+
+
+@dataclass
+class _Sight:
+    """What N robots show at one moment."""
+
+    amp_state: Tensor  # (N, S)
+    observation: Tensor  # (N, O) with sensor noise
+    privileged: Tensor  # (N, X)
 
 
 class QuadrupedEnv(VectorEnv):
     """N robots in torch; ended episodes restart within the same step (``AutoresetMode.SAME_STEP``).
+
+    A step works on all robots alike, with masks where they differ, so that on an accelerator the host never waits.
 
     Args:
         sim: the simulator; the environment's tensors live on its device.
@@ -62,9 +80,9 @@ class QuadrupedEnv(VectorEnv):
 
         self._generator = generator
         self._device = sim.device
-        self.default_pose = torch.tensor(go2.DEFAULT_JOINT_POSITION, device=self._device)
         self._noise = observations.noise_width(self.actor_entries, config.noise).to(self._device)
         self._episode_steps = self._steps(config.episode_s)
+        self._steps_to_draw = 0  # control steps until new starts are drawn
         num, device = self.num_envs, self._device
         self.step_count = torch.zeros(num, dtype=torch.int64, device=device)  # control steps into the episode
         self.command = torch.zeros(num, 3, device=device)  # vx, vy in m/s, yaw rate in rad/s
@@ -72,7 +90,8 @@ class QuadrupedEnv(VectorEnv):
         self.last_action = torch.zeros(num, go2.NUM_JOINTS, device=device)
         self.dynamics = Dynamics.nominal(num, config.randomization.nominal_friction, device)
         self.amp_state = torch.zeros(num, AMP_STATE_SIZE, device=device)
-        self.num_diverged = 0  # simulations that ended in a non-finite state since construction
+        self.num_diverged = torch.zeros((), dtype=torch.int64, device=device)  # simulations since construction
+        self.default_pose = constant(go2.DEFAULT_JOINT_POSITION, self.command)
         self.observation = torch.zeros(num, observations.size(self.actor_entries), device=device)
         self.privileged = torch.zeros(num, observations.size(self.privileged_entries), device=device)
 
@@ -84,13 +103,13 @@ class QuadrupedEnv(VectorEnv):
         """
         if seed is not None:
             self._generator.manual_seed(seed)
-        everyone = torch.arange(self.num_envs, device=self._device)
-        measurement = self._restart(everyone)
+        self._draw_starts()
+        self._begin(torch.ones(self.num_envs, dtype=torch.bool, device=self._device))
+        self._steps_to_draw = 0
         if options is None or options.get("stagger", True):
             self.step_count = torch.randint(
                 self._episode_steps, (self.num_envs,), generator=self._generator, device=self._device
             )
-        self.observation, self.privileged = self._observe(measurement)
         return self.observation, {"privileged": self.privileged}
 
     def step(self, actions: Tensor) -> tuple[Tensor, Tensor, Tensor, Tensor, dict[str, Any]]:
@@ -101,6 +120,9 @@ class QuadrupedEnv(VectorEnv):
 
     def advance(self, action: Tensor) -> Step:
         """One control step with the network's outputs (N, 12): target = default pose + k action."""
+        if self._steps_to_draw == 0:
+            self._draw_starts()
+        self._steps_to_draw -= 1
         self.last_action = action
         self._push()
         self.sim.step(self.default_pose + self.action_scale * action)
@@ -108,23 +130,20 @@ class QuadrupedEnv(VectorEnv):
 
         measurement = measure(self.sim.state)
         diverged = self.sim.diverged()
-        self.num_diverged += int(diverged.sum())
+        self.num_diverged = self.num_diverged + diverged.sum()
         # A robot whose simulation diverged has no successor state; a pair that stands still keeps it finite.
         successor = torch.where(diverged[:, None], self.amp_state, measurement.amp_state())
         transition = torch.stack([self.amp_state, successor], dim=1)
         self.amp_state = successor
-        reward = self._task_reward(measurement)
+        reward = task_rewards(self.command, measurement, self.config.reward)
         terminated = failed(measurement, diverged, self.config.termination)
         truncated = (self.step_count >= self._episode_steps) & ~terminated
         command, skill = self.command, self.skill
 
         self._draw_commands()
-        final_observation, final_privileged = self._observe(measurement)
+        final_observation, final_privileged = self._observe(self._situation(measurement))
         self.observation, self.privileged = final_observation, final_privileged
-        ended = (terminated | truncated).nonzero().squeeze(1)
-        if len(ended) > 0:
-            self.observation, self.privileged = final_observation.clone(), final_privileged.clone()
-            self.observation[ended], self.privileged[ended] = self._observe(self._restart(ended), ended)
+        self._begin(terminated | truncated)
         weights = self.config.reward.weights()
         return Step(
             observation=self.observation,
@@ -147,26 +166,34 @@ class QuadrupedEnv(VectorEnv):
     def set_command(self, command: Tensor, skill: Tensor) -> Tensor:
         """Command every robot from now until the clock draws anew: (N, 3) and (N,); returns the observation."""
         self.command, self.skill = command.clone(), skill.clone()
-        self.observation, self.privileged = self._observe(measure(self.sim.state))
+        self.observation, self.privileged = self._observe(self._situation(measure(self.sim.state)))
         return self.observation
 
     def state_dict(self) -> dict[str, Any]:
         """Everything a bit-for-bit continuation needs, the simulator and the random state included."""
         state: dict[str, Any] = {name: getattr(self, name) for name in _STATE}
         state["dynamics"] = self.dynamics.tensors()
-        state["generator"] = self._generator.get_state()
-        state["num_diverged"] = self.num_diverged
+        state["starts"] = self._starts.state_dict()
+        state["starts_sight"] = vars(self._starts_sight)
+        state["steps_to_draw"] = self._steps_to_draw
+        state["generator"] = generator_state(self._generator)
         state["sim"] = self.sim.state_dict()
         return state
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
+        generator = state["generator"]
+        state = copied(state, self._device)
         for name in _STATE:
-            setattr(self, name, state[name].clone())
+            setattr(self, name, state[name])
         self.dynamics = Dynamics(**state["dynamics"])
-        self._generator.set_state(state["generator"])
-        self.num_diverged = state["num_diverged"]
-        self.sim.set_dynamics(torch.arange(self.num_envs, device=self._device), self.dynamics)
+        self._starts = Starts.from_state_dict(state["starts"])
+        self._starts_sight = _Sight(**state["starts_sight"])
+        self._steps_to_draw = state["steps_to_draw"]
+        restore_generator(self._generator, generator)
+        self.sim.prepare(self.dynamics)
+        self.sim.reset(torch.ones_like(self.step_count, dtype=torch.bool), self._starts.initial)
         self.sim.load_state_dict(state["sim"])
+        self.sim.prepare(self._starts.dynamics)
 
     def close(self, **kwargs: Any) -> None:
         self.sim.close()
@@ -174,35 +201,34 @@ class QuadrupedEnv(VectorEnv):
     def _steps(self, seconds: float) -> int:
         return max(1, round(seconds / self.sim.control_period))
 
-    def _restart(self, env_ids: Tensor) -> Measurement:
-        """New dynamics, skill and initial state for the robots ``env_ids`` (n,); their measurement afterwards."""
-        num, init = len(env_ids), self.config.initialization
-        dynamics = sample_dynamics(num, self.config.randomization, self._generator)
-        self.dynamics.assign(env_ids, dynamics)
-        self.sim.set_dynamics(env_ids, dynamics)
-
-        skill = sample_skills(num, self.num_skills, self._generator)
-        reference = self.references.sample(skill, self._generator)
-        at_reference = uniform((0.0, 1.0), (num,), self._generator) < init.reference_share
-        start = initialization.merge(
-            at_reference,
-            initialization.from_reference(reference),
-            initialization.standing(num, init, self._generator),
+    def _draw_starts(self) -> None:
+        """The start that each robot takes if its episode ends before the next draw."""
+        starts = draw_starts(self.num_envs, self.config, self.references, self._generator)
+        measurement = measure(starts.initial.robot_state())
+        self.sim.prepare(starts.dynamics)
+        self._starts = starts
+        situation = observations.Situation(
+            measurement,
+            starts.command,
+            self._action_before(starts),
+            self._shown_skill(starts.skill),
+            starts.dynamics,
         )
-        self.sim.reset(env_ids, start)
+        self._starts_sight = _Sight(measurement.amp_state(), *self._observe(situation))
+        self._steps_to_draw = self._steps(STARTS_PERIOD_S)
 
-        command = sample_commands(num, self.config.command, self._generator)
-        previous_action = (reference.joint_target_applied_previous - self.default_pose) / self.action_scale
-        self.skill[env_ids] = skill
-        # A robot set into a clip goes on with the clip's command, and remembers the clip's last action.
-        self.command[env_ids] = torch.where(at_reference[:, None], reference.command, command)
-        self.last_action = self.last_action.clone()
-        self.last_action[env_ids] = previous_action * at_reference[:, None]
-        self.step_count[env_ids] = 0
-        self.amp_state = self.amp_state.clone()
-        measurement = measure(self.sim.state.take(env_ids))
-        self.amp_state[env_ids] = measurement.amp_state()
-        return measurement
+    def _begin(self, mask: Tensor) -> None:
+        """Begin an episode with the robots of ``mask`` (N,) bool."""
+        starts, sight = self._starts, self._starts_sight
+        self.sim.reset(mask, starts.initial)
+        self.dynamics = self.dynamics.replaced(mask, starts.dynamics)
+        self.step_count = self.step_count.masked_fill(mask, 0)
+        self.skill = select(mask, starts.skill, self.skill)
+        self.command = select(mask, starts.command, self.command)
+        self.last_action = select(mask, self._action_before(starts), self.last_action)
+        self.amp_state = select(mask, sight.amp_state, self.amp_state)
+        self.observation = select(mask, sight.observation, self.observation)
+        self.privileged = select(mask, sight.privileged, self.privileged)
 
     def _draw_commands(self) -> None:
         """New commands and skills for the robots whose clock has come round."""
@@ -224,29 +250,21 @@ class QuadrupedEnv(VectorEnv):
         due = (self.step_count + 1) % self._steps(config.period_s) == 0
         self.sim.push(change * due[:, None])
 
-    def _task_reward(self, measurement: Measurement) -> dict[str, Tensor]:
-        """Table II's task terms, unweighted; 0 where the simulation diverged."""
-        width = self.config.reward
-        terms = {
-            "linear_velocity": linear_velocity_reward(
-                self.command, measurement.linear_velocity, width.linear_velocity_width
-            ),
-            "angular_velocity": angular_velocity_reward(
-                self.command, measurement.angular_velocity, width.angular_velocity_width
-            ),
-        }
-        return {name: term.nan_to_num(0.0) for name, term in terms.items()}
+    def _action_before(self, starts: Starts) -> Tensor:
+        """(N, 12) the network's output that asks for the joint targets held before the start."""
+        return (starts.joint_target - self.default_pose) / self.action_scale
 
-    def _observe(self, measurement: Measurement, env_ids: Tensor | None = None) -> tuple[Tensor, Tensor]:
-        """The policy's observation with sensor noise, and the critic's privileged part without.
-
-        ``measurement`` is of the robots ``env_ids``, None for all.
-        """
-        rows = slice(None) if env_ids is None else env_ids
-        skill = torch.nn.functional.one_hot(self.skill[rows], self.num_skills).float() * self.config.observe_skill
-        situation = observations.Situation(
-            measurement, self.command[rows], self.last_action[rows], skill, self.dynamics.take(rows)
+    def _situation(self, measurement: Measurement) -> observations.Situation:
+        return observations.Situation(
+            measurement, self.command, self.last_action, self._shown_skill(self.skill), self.dynamics
         )
+
+    def _shown_skill(self, skill: Tensor) -> Tensor:
+        """(N, K) one-hot; zeros where an ablation hides it."""
+        return torch.nn.functional.one_hot(skill, self.num_skills).float() * self.config.observe_skill
+
+    def _observe(self, situation: observations.Situation) -> tuple[Tensor, Tensor]:
+        """The policy's observation with sensor noise, and the critic's privileged part without."""
         observation = observations.observe(self.actor_entries, situation)
         if self.config.noise.enabled:
             observation += self._noise * uniform((-1.0, 1.0), tuple(observation.shape), self._generator)
@@ -255,7 +273,7 @@ class QuadrupedEnv(VectorEnv):
 
 
 # Tensors that, with the dynamics, the simulator and the generator, make up the environment's state.
-_STATE = ("step_count", "command", "skill", "last_action", "amp_state", "observation", "privileged")
+_STATE = ("step_count", "command", "skill", "last_action", "amp_state", "observation", "privileged", "num_diverged")
 
 
 def _box(width: int) -> gym.spaces.Box:

@@ -11,6 +11,7 @@ import math
 import torch
 from torch import Tensor
 
+from camp.constants import constant
 from camp.robots import go2
 
 _CALF = math.hypot(go2.CALF_LENGTH, go2.FOOT_OFFSET_X)  # m, calf joint to foot centre
@@ -20,12 +21,13 @@ _CALF_ANGLE = math.atan2(-go2.FOOT_OFFSET_X, go2.CALF_LENGTH)  # rad, by which t
 def _hip_position(like: Tensor) -> Tensor:
     """Hip joints in the base frame, (4, 3) m."""
     x, y = go2.HIP_X, go2.HIP_Y
-    return like.new_tensor([[x, y, 0.0], [x, -y, 0.0], [-x, y, 0.0], [-x, -y, 0.0]])
+    return constant((x, y, 0.0, x, -y, 0.0, -x, y, 0.0, -x, -y, 0.0), like).view(4, 3)
 
 
 def _thigh_offset(like: Tensor) -> Tensor:
     """Signed lateral distance from hip joint to thigh joint, (4,) m: left legs positive."""
-    return like.new_tensor([1.0, -1.0, 1.0, -1.0]) * go2.HIP_OFFSET
+    offset = go2.HIP_OFFSET
+    return constant((offset, -offset, offset, -offset), like)
 
 
 def _leg_plane(joint: Tensor) -> tuple[Tensor, Tensor]:

@@ -10,6 +10,8 @@ from torch import Tensor
 
 from camp.robots import go2
 
+NUM_FELT_BODIES = 1 + go2.NUM_LEGS  # base and thighs, whose ground reactions the model's sensors report
+
 
 @dataclass
 class RobotState:
@@ -27,10 +29,6 @@ class RobotState:
     foot_force: Tensor  # (N, 4, 3) N, ground on foot, world frame
     body_force: Tensor  # (N, 5, 3) N, ground on base and the four thighs, world frame
 
-    def take(self, rows: Tensor | slice) -> Self:
-        """The robots ``rows``."""
-        return type(self)(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
-
     def qpos(self) -> Tensor:
         """(N, 19) MuJoCo's generalized position: base position, base quaternion, joint positions."""
         return torch.cat([self.base_position, self.base_quaternion, self.joint_position], dim=1)
@@ -38,7 +36,7 @@ class RobotState:
 
 @dataclass
 class InitialState:
-    """Where n robots start, float32."""
+    """Where n robots start, float32; joint targets start at the joint positions."""
 
     base_position: Tensor  # (n, 3) m, world frame
     base_quaternion: Tensor  # (n, 4) w first
@@ -46,6 +44,23 @@ class InitialState:
     base_angular_velocity: Tensor  # (n, 3) rad/s, base frame
     joint_position: Tensor  # (n, 12) rad
     joint_velocity: Tensor  # (n, 12) rad/s
+
+    def qpos(self) -> Tensor:
+        """(n, 19) MuJoCo's generalized position: base position, base quaternion, joint positions."""
+        return torch.cat([self.base_position, self.base_quaternion, self.joint_position], dim=1)
+
+    def qvel(self) -> Tensor:
+        """(n, 18) MuJoCo's generalized velocity: linear and angular velocity of the base, joint velocities."""
+        return torch.cat([self.base_linear_velocity, self.base_angular_velocity, self.joint_velocity], dim=1)
+
+    def robot_state(self) -> RobotState:
+        """What a simulator reports right after a reset into this state: no force has been felt yet."""
+        num, device = len(self.base_position), self.base_position.device
+        return RobotState(
+            **vars(self),
+            foot_force=torch.zeros(num, go2.NUM_LEGS, 3, device=device),
+            body_force=torch.zeros(num, NUM_FELT_BODIES, 3, device=device),
+        )
 
 
 # Bodies whose mass "link mass" randomization scales: the trunk and the three links of each leg.
@@ -82,21 +97,27 @@ class Dynamics:
         """Name to tensor, without copies."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
-    def assign(self, env_ids: Tensor, other: Dynamics) -> None:
-        """Overwrite the rows ``env_ids`` with those of ``other``."""
-        for name, tensor in self.tensors().items():
-            tensor[env_ids] = getattr(other, name)
-
-    def take(self, rows: Tensor | slice) -> Self:
-        """The robots ``rows``."""
+    def take(self, rows: Tensor) -> Self:
+        """The robots ``rows``, (m,) int64."""
         return type(self)(**{name: tensor[rows] for name, tensor in self.tensors().items()})
+
+    def replaced(self, mask: Tensor, other: Self) -> Self:
+        """Row by row ``other`` where ``mask`` (n,) bool holds, else these."""
+        return type(self)(**{name: select(mask, getattr(other, name), mine) for name, mine in self.tensors().items()})
+
+
+def select(mask: Tensor, chosen: Tensor, other: Tensor) -> Tensor:
+    """Row by row ``chosen`` (n, ...) where ``mask`` (n,) bool holds, else ``other``."""
+    return torch.where(mask.view(-1, *(1,) * (chosen.dim() - 1)), chosen, other)
 
 
 class Simulator(Protocol):
-    """N robots on flat ground, stepped together at the control rate.
+    """N robots on flat ground, stepped together at the control rate; all tensors are on ``device``.
 
     Joint targets go through a PD law inside the simulator: at every physics step the torque is
     strength * (kp_scale kp (target - q) - kd_scale kd q'), clipped at the joint's torque limit.
+
+    On an accelerator none of the methods that are called at every step makes the host wait for it.
     """
 
     num_envs: int
@@ -105,19 +126,20 @@ class Simulator(Protocol):
 
     @property
     def state(self) -> RobotState:
-        """The current state; forces are those at the beginning of the last physics step."""
+        """A copy of the current state; forces are those at the beginning of the last physics step, 0 after a reset."""
         ...
 
     def step(self, joint_target: Tensor) -> None:
         """Hold the joint targets (N, 12) in rad for one control period."""
         ...
 
-    def reset(self, env_ids: Tensor, initial: InitialState) -> None:
-        """Put the robots ``env_ids`` (n,), sorted and unique, into a state; the others are untouched."""
+    def prepare(self, dynamics: Dynamics) -> None:
+        """The physical parameters that each of the N robots takes on when it is next reset."""
         ...
 
-    def set_dynamics(self, env_ids: Tensor, dynamics: Dynamics) -> None:
-        """Give the robots ``env_ids`` (n,), sorted and unique, other physical parameters."""
+    def reset(self, mask: Tensor, initial: InitialState) -> None:
+        """Put the robots of ``mask`` (N,) bool into their rows of ``initial`` (of all N), with the physical
+        parameters prepared for them; the others are untouched."""
         ...
 
     def push(self, velocity_change: Tensor) -> None:
@@ -126,6 +148,13 @@ class Simulator(Protocol):
 
     def diverged(self) -> Tensor:
         """(N,) bool: robots whose state is no longer finite. They stay so until they are reset."""
+        ...
+
+    def verify(self) -> None:
+        """Raise SimulationError if anything since the start could not be simulated as modelled.
+
+        May wait for the device: call it once per rollout.
+        """
         ...
 
     def state_dict(self) -> dict[str, Any]:

@@ -1,0 +1,60 @@
+"""Where, as what and with which orders robots begin an episode."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Self
+
+import torch
+from torch import Tensor
+
+from camp.constants import constant
+from camp.envs import initialization
+from camp.envs.commands import sample_commands, sample_skills, uniform
+from camp.envs.config import EnvConfig
+from camp.envs.randomization import sample_dynamics
+from camp.motion.sampler import ReferenceStates
+from camp.robots import go2
+from camp.sim.base import Dynamics, InitialState
+
+
+@dataclass
+class Starts:
+    """The beginnings of N episodes."""
+
+    initial: InitialState
+    dynamics: Dynamics
+    skill: Tensor  # (N,) int64
+    command: Tensor  # (N, 3) vx, vy in m/s, yaw rate in rad/s
+    joint_target: Tensor  # (N, 12) rad, what the PD law is taken to have held before
+
+    def state_dict(self) -> dict[str, Any]:
+        return vars(self) | {"initial": vars(self.initial), "dynamics": self.dynamics.tensors()}
+
+    @classmethod
+    def from_state_dict(cls, state: dict[str, Any]) -> Self:
+        parts = {"initial": InitialState(**state["initial"]), "dynamics": Dynamics(**state["dynamics"])}
+        return cls(**(state | parts))
+
+
+def draw_starts(num: int, config: EnvConfig, references: ReferenceStates, generator: torch.Generator) -> Starts:
+    """``num`` beginnings: randomized dynamics, a skill, and a frame of one of its clips or a standing start."""
+    init = config.initialization
+    dynamics = sample_dynamics(num, config.randomization, generator)
+    skill = sample_skills(num, references.num_skills, generator)
+    reference = references.sample(skill, generator)
+    at_reference = uniform((0.0, 1.0), (num,), generator) < init.reference_share
+    initial = initialization.merge(
+        at_reference, initialization.from_reference(reference), initialization.standing(num, init, generator)
+    )
+    command = sample_commands(num, config.command, generator)
+    target = reference.joint_target_applied_previous
+    row = at_reference[:, None]
+    # A robot set into a clip goes on with the clip's command, and remembers the clip's last target.
+    return Starts(
+        initial=initial,
+        dynamics=dynamics,
+        skill=skill,
+        command=torch.where(row, reference.command, command),
+        joint_target=torch.where(row, target, constant(go2.DEFAULT_JOINT_POSITION, target)),
+    )
