@@ -70,6 +70,7 @@ def _situation(clip: Clip, label: int, num_skills: int, config: Config) -> obser
         command=_rows(np.broadcast_to(clip.command, (num + 1, 3))[1:]),
         last_action=_as_action(_rows(clip.joint_target_applied[:-1]), config.robot.action_scale),
         skill=skill,
+        average_velocity=measurement.velocity(),
         dynamics=Dynamics.nominal(num, config.env.randomization.nominal_friction, torch.device("cpu")),
     )
 

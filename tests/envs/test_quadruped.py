@@ -30,7 +30,7 @@ def test_shapes_and_spaces(config, clips):
     assert env.observation.shape == env.observation_space.shape == (8, 45 + 4)
     step = env.advance(ZERO)
     assert step.transition.shape == (8, 2, 43)
-    assert step.privileged.shape == (8, 62)
+    assert step.privileged.shape == (8, 65)
     observation, reward, terminated, truncated, info = env.step(ZERO)
     assert observation.shape == (8, 49) and reward.shape == terminated.shape == truncated.shape == (8,)
     assert info["final_obs"].shape == (8, 49)
@@ -222,6 +222,19 @@ def test_a_start_is_what_the_simulator_then_shows(config, clips):
     torch.testing.assert_close(env.observation, observation)
     torch.testing.assert_close(env.privileged[:, 3], env.sim.state.base_position[:, 2])
     assert (env.privileged[:, 4:8] == 0).all() and (env.sim.state.foot_force == 0).all()  # no force felt yet
+
+
+def test_the_reward_is_of_the_average_velocity(config, clips):
+    config.env.reward.velocity_average_s = 0.4  # a step of .02 s moves the average by a twentieth
+    env = make(config, clips)
+    torch.testing.assert_close(env.average_velocity, env.command * (env.amp_state[:, 24:27].norm(dim=1) > 0)[:, None])
+    before = env.average_velocity
+    step = env.advance(ZERO)
+    expected = 0.95 * before + 0.05 * step.velocity
+    alive = ~(step.terminated | step.truncated)
+    torch.testing.assert_close(env.average_velocity[alive], expected[alive])
+    error = (step.command - expected)[:, :2].norm(dim=1)
+    torch.testing.assert_close(step.reward["linear_velocity"], (-error / 0.15).exp())
 
 
 def test_same_seed_same_roll_out_and_state_continues_bit_for_bit(config, clips):

@@ -53,6 +53,7 @@ class RewardConfig:
     linear_velocity_width: float = MISSING  # m/s
     angular_velocity_weight: float = MISSING
     angular_velocity_width: float = MISSING  # rad/s
+    velocity_average_s: float = MISSING  # time constant of the average that is rewarded; 0: the velocity itself
 
     def weights(self) -> dict[str, float]:
         """Weight of every term that the environment computes, by its name."""
@@ -63,6 +64,7 @@ class RewardConfig:
         checks.finite("env.reward.angular_velocity_weight", self.angular_velocity_weight)
         checks.positive("env.reward.linear_velocity_width", self.linear_velocity_width)
         checks.positive("env.reward.angular_velocity_width", self.angular_velocity_width)
+        checks.not_negative("env.reward.velocity_average_s", self.velocity_average_s)
 
 
 @dataclass

@@ -50,6 +50,10 @@ class Measurement:
     foot_contact: Tensor  # (N, 4) bool
     body_force: Tensor  # (N, 5) N, magnitude on base and thighs
 
+    def velocity(self) -> Tensor:
+        """What commands ask for, (N, 3): vx, vy in m/s and yaw rate in rad/s, base frame."""
+        return torch.cat([self.linear_velocity[:, :2], self.angular_velocity[:, 2:]], dim=1)
+
     def amp_state(self) -> Tensor:
         """s_t of the discriminators, (N, 43), laid out as in AMP_ENTRIES."""
         parts = (

@@ -27,6 +27,7 @@ class Situation:
     command: Tensor  # (N, 3) vx, vy in m/s, yaw rate in rad/s
     last_action: Tensor  # (N, 12) network output of the previous step
     skill: Tensor  # (N, K) one-hot; zeros where an ablation hides it
+    average_velocity: Tensor  # (N, 3) vx, vy in m/s, yaw rate in rad/s, as it is rewarded
     dynamics: Dynamics
 
 
@@ -84,6 +85,7 @@ def privileged_entries() -> tuple[Entry, ...]:
         Entry("base_linear_velocity", 3, "m/s", "base", lambda s: s.measurement.linear_velocity),
         Entry("base_height", 1, "m", "world", lambda s: s.measurement.base_position[:, 2:]),
         Entry("foot_contact", 4, "0 or 1", "-", lambda s: s.measurement.foot_contact.float()),
+        Entry("average_velocity", 3, "m/s, m/s, rad/s", "base", lambda s: s.average_velocity),
         Entry("link_mass_scale", len(LINK_NAMES), "1", "-", lambda s: s.dynamics.link_mass_scale),
         Entry("payload_mass", 1, "kg", "-", lambda s: s.dynamics.payload_mass[:, None]),
         Entry("payload_position", 3, "m", "base", lambda s: s.dynamics.payload_position),

@@ -19,7 +19,7 @@ from camp.envs import observations
 from camp.envs.commands import sample_commands, sample_skills, uniform
 from camp.envs.config import EnvConfig
 from camp.envs.measurement import AMP_STATE_SIZE, Measurement, measure
-from camp.envs.rewards import task_rewards
+from camp.envs.rewards import averaged, task_rewards
 from camp.envs.starts import Starts, draw_starts
 from camp.envs.terminations import failed
 from camp.motion.sampler import ReferenceStates
@@ -88,6 +88,7 @@ class QuadrupedEnv(VectorEnv):
         self.command = torch.zeros(num, 3, device=device)  # vx, vy in m/s, yaw rate in rad/s
         self.skill = torch.zeros(num, dtype=torch.int64, device=device)
         self.last_action = torch.zeros(num, go2.NUM_JOINTS, device=device)
+        self.average_velocity = torch.zeros(num, 3, device=device)  # of the last strides, as the reward takes it
         self.dynamics = Dynamics.nominal(num, config.randomization.nominal_friction, device)
         self.amp_state = torch.zeros(num, AMP_STATE_SIZE, device=device)
         self.num_diverged = torch.zeros((), dtype=torch.int64, device=device)  # simulations since construction
@@ -135,7 +136,11 @@ class QuadrupedEnv(VectorEnv):
         successor = torch.where(diverged[:, None], self.amp_state, measurement.amp_state())
         transition = torch.stack([self.amp_state, successor], dim=1)
         self.amp_state = successor
-        reward = task_rewards(self.command, measurement, self.config.reward)
+        velocity = measurement.velocity().nan_to_num(0.0)
+        self.average_velocity = averaged(
+            self.average_velocity, velocity, self.sim.control_period, self.config.reward.velocity_average_s
+        )
+        reward = task_rewards(self.command, self.average_velocity, self.config.reward)
         terminated = failed(measurement, diverged, self.config.termination)
         truncated = (self.step_count >= self._episode_steps) & ~terminated
         command, skill = self.command, self.skill
@@ -157,9 +162,7 @@ class QuadrupedEnv(VectorEnv):
             transition=transition,
             skill=skill,
             command=command,
-            velocity=torch.cat(
-                [measurement.linear_velocity[:, :2], measurement.angular_velocity[:, 2:]], dim=1
-            ).nan_to_num(0.0),
+            velocity=velocity,
             foot_contact=measurement.foot_contact,
         )
 
@@ -212,6 +215,7 @@ class QuadrupedEnv(VectorEnv):
             starts.command,
             self._action_before(starts),
             self._shown_skill(starts.skill),
+            starts.average_velocity,
             starts.dynamics,
         )
         self._starts_sight = _Sight(measurement.amp_state(), *self._observe(situation))
@@ -225,6 +229,7 @@ class QuadrupedEnv(VectorEnv):
         self.step_count = self.step_count.masked_fill(mask, 0)
         self.skill = select(mask, starts.skill, self.skill)
         self.command = select(mask, starts.command, self.command)
+        self.average_velocity = select(mask, starts.average_velocity, self.average_velocity)
         self.last_action = select(mask, self._action_before(starts), self.last_action)
         self.amp_state = select(mask, sight.amp_state, self.amp_state)
         self.observation = select(mask, sight.observation, self.observation)
@@ -256,7 +261,12 @@ class QuadrupedEnv(VectorEnv):
 
     def _situation(self, measurement: Measurement) -> observations.Situation:
         return observations.Situation(
-            measurement, self.command, self.last_action, self._shown_skill(self.skill), self.dynamics
+            measurement,
+            self.command,
+            self.last_action,
+            self._shown_skill(self.skill),
+            self.average_velocity,
+            self.dynamics,
         )
 
     def _shown_skill(self, skill: Tensor) -> Tensor:
@@ -273,7 +283,17 @@ class QuadrupedEnv(VectorEnv):
 
 
 # Tensors that, with the dynamics, the simulator and the generator, make up the environment's state.
-_STATE = ("step_count", "command", "skill", "last_action", "amp_state", "observation", "privileged", "num_diverged")
+_STATE = (
+    "step_count",
+    "command",
+    "skill",
+    "last_action",
+    "average_velocity",
+    "amp_state",
+    "observation",
+    "privileged",
+    "num_diverged",
+)
 
 
 def _box(width: int) -> gym.spaces.Box:

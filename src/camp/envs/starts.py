@@ -26,6 +26,7 @@ class Starts:
     dynamics: Dynamics
     skill: Tensor  # (N,) int64
     command: Tensor  # (N, 3) vx, vy in m/s, yaw rate in rad/s
+    average_velocity: Tensor  # (N, 3) the same, that the reward's average begins with
     joint_target: Tensor  # (N, 12) rad, what the PD law is taken to have held before
 
     def state_dict(self) -> dict[str, Any]:
@@ -56,5 +57,6 @@ def draw_starts(num: int, config: EnvConfig, references: ReferenceStates, genera
         dynamics=dynamics,
         skill=skill,
         command=torch.where(row, reference.command, command),
+        average_velocity=reference.command * row,
         joint_target=torch.where(row, target, constant(go2.DEFAULT_JOINT_POSITION, target)),
     )
