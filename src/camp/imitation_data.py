@@ -12,7 +12,6 @@ from camp.algo.imitation import ImitationData
 from camp.config import Config
 from camp.envs import observations
 from camp.envs.measurement import Measurement, rotate_inverse
-from camp.errors import ClipError
 from camp.motion.clips import Clip
 from camp.motion.skills import label_of
 from camp.robots import go2
@@ -23,19 +22,12 @@ def imitation_data(clips: Sequence[Clip], config: Config, device: torch.device) 
     """Every row but the first of each clip: what the policy would have observed, and the expert's answer to it.
 
     The first row is left out because the action before it is not known. The sensors' noise is left to the training,
-    which draws it anew for every minibatch. Clips without targets (imported ones) are left out; raises ClipError
-    where no other is left.
+    which draws it anew for every minibatch.
     """
     skills = config.motion.skill_set()
     entries = observations.actor_entries(len(skills))
     labels = [label_of(clip.gait, clip.frequency_hz, skills) for clip in clips]
-    pairs = zip(clips, labels, strict=True)
-    shown = [(clip, label) for clip, label in pairs if label is not None and clip.has_targets]
-    if not shown:
-        raise ClipError(
-            "no clip has the expert's targets, imported motion has none to imitate; add clips generated with "
-            "`python -m camp.dataset` or train with run=scratch"
-        )
+    shown = [(clip, label) for clip, label in zip(clips, labels, strict=True) if label is not None]
     situations = [_situation(clip, label, len(skills), config) for clip, label in shown]
     observation = torch.cat([observations.observe(entries, situation) for situation in situations])
     noise = config.env.noise

@@ -24,16 +24,16 @@ PERTURBED_SEED = 1  # of the random commands and the noise; the same clips for e
 
 
 def warm_start(training: Training, config: Config) -> list[dict[str, float]]:
-    """Fit the actor to the expert's answers, perturbed clips included; metrics of every epoch.
+    """Fit the actor to the expert's answers on perturbed clips; metrics of every epoch.
 
-    Nothing happens with ``algo.imitation.epochs = 0``. Perturbed clips that are missing are generated first and kept
+    The demonstrations are left out: hardly ever off their limit cycle, they teach the clone to fall once it is. Nothing
+    happens with ``algo.imitation.epochs = 0``. Perturbed clips that are missing are generated first and kept
     for the next run. Raises ClipError where too few can be had.
     """
     imitation = config.algo.imitation
     if imitation.epochs == 0:
         return []
-    clips = [*training.clips, *perturbed_clips(config)]
-    data = imitation_data(clips, config, training.device)
+    data = imitation_data(perturbed_clips(config), config, training.device)
     steps = imitate(training.ppo.actor, data, imitation, generator(config.seed, "imitation", training.device))
     metrics = list(track(steps, "imitating the expert", total=imitation.epochs))
     print(f"imitation: {len(data.observation):,} pairs, loss {metrics[-1]['imitation/loss']:.4f}", flush=True)

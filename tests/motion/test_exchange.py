@@ -11,13 +11,10 @@ import pytest
 import torch
 
 from camp.build import build_training
-from camp.compose import compose_config
 from camp.config import Config, as_yaml
 from camp.dataset import main
-from camp.errors import ClipError
-from camp.imitation_data import imitation_data
 from camp.logger import RunIdentity, RunLogger
-from camp.motion.clips import Clip, load_clip, load_clips
+from camp.motion.clips import load_clip, load_clips
 from camp.motion.gaits import GAIT_PHASES
 from camp.motion.sampler import Demonstrations, ReferenceStates
 from camp.motion.skills import skill_set
@@ -37,16 +34,6 @@ def test_imported_clips_feed_the_samplers(tmp_path: Path) -> None:
     states = ReferenceStates(clips, skills).sample(torch.arange(4), generator)
     assert states.base_height.shape == (4,)
     np.testing.assert_allclose(states.joint_target_applied_previous, states.joint_position, atol=1e-6)
-
-
-def test_imitation_leaves_imported_clips_out(tmp_path: Path, clips: list[Clip]) -> None:
-    config = compose_config([])
-    imported = load_clips(imported_folder(tmp_path), list(GAIT_PHASES))
-    alone = imitation_data(clips[:2], config, torch.device("cpu"))
-    together = imitation_data([*imported, *clips[:2]], config, torch.device("cpu"))
-    torch.testing.assert_close(together.observation, alone.observation)
-    with pytest.raises(ClipError, match="no clip has the expert's targets"):
-        imitation_data(imported, config, torch.device("cpu"))
 
 
 def test_training_on_imported_clips(config: Config, tmp_path: Path) -> None:

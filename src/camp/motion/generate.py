@@ -46,7 +46,11 @@ class AppliedNoise:
 
 
 def generate_clip(request: ClipRequest, steps: int = CLIP_STEPS) -> Clip:
-    """Walk and record `steps` control steps. Deterministic. Raises ClipError where the robot falls."""
+    """Walk and record `steps` control steps. Raises ClipError where the robot falls.
+
+    Deterministic for one thread of linear algebra, which is what `generate_dataset` gives its processes: more of them
+    sum in another order, and contacts let the last bits grow.
+    """
     model = load_model()
     data = _standing(model)
     expert = _expert(data, request)
