@@ -24,9 +24,10 @@ from camp.robots.go2 import DEFAULT_JOINT_POSITION, STANDING_HEIGHT, load_model
 CLIP_STEPS = 200  # rows, 4 s
 WARM_UP = 3.0  # s of walking before a clip is recorded that does not begin with standing
 STAND_DURATION = 0.2  # s before the gait begins
+# The same of clips that show the start: a clone sees no clock, and would learn of a longer wait that standing robots stand.
+SHORT_STAND_DURATION = 0.04
 CHANGE_DURATION = 0.15  # s on all four feet between two gaits
 CHANGE_TIME = 1.5  # s of the recording after which the next stride changes the gait
-NOISE_ONSET = 0.3  # s of walking before noise sets in
 NOISE_CORRELATION = 0.5  # from one control step to the next
 _FALLEN_HEIGHT, _FALLEN_UPRIGHTNESS = 0.12, 0.5  # m; cosine of the tilt
 _ENDLESS = 1e3  # s, how long a standing robot waits for a gait
@@ -63,17 +64,19 @@ def generate_clip(request: ClipRequest, steps: int = CLIP_STEPS) -> Clip:
         if request.previous_gait and not switch_step and time > CHANGE_TIME and expert.begins_stride:
             expert.change_gait(data, GaitSchedule(request.gait, request.frequency_hz), CHANGE_DURATION)
             switch_step = step - before
-        noisy = expert.time >= NOISE_ONSET
         state, previous = np.r_[data.qpos, data.qvel], data.ctrl.copy()
         try:
-            target = expert.answer(data, request.command_at(time))
+            asked = request.command_at(time)
+            target = expert.answer(data, asked)
         except ValueError as error:
             raise _fall(request, expert) from error
-        applied = target + noise.draw() if noisy else target
+        applied = target + noise.draw()
         data.body("base").xfrc_applied[:2] = _push_force(request, time)
         torque = _apply(model, data, applied)
         if step >= before:
-            recorder.add(state, previous, Answer(target, applied, torque, expert.command))
+            # A clone is given the command itself, not how far the expert has taken it up.
+            command = asked if request.from_standing else expert.command
+            recorder.add(state, previous, Answer(target, applied, torque, command))
         if _has_fallen(data):
             raise _fall(request, expert)
     return recorder.clip(request, CONTROL_PERIOD, switch_step)
@@ -83,7 +86,8 @@ def _expert(data: mujoco.MjData, request: ClipRequest) -> Expert:
     if request.gait == STAND:  # waits on its feet for a gait that never begins
         return Expert(data, GaitSchedule("trot", 2.0), _ENDLESS, request.height)
     first = request.previous_gait or request.gait
-    return Expert(data, GaitSchedule(first, request.frequency_hz), STAND_DURATION, request.height)
+    stand_duration = SHORT_STAND_DURATION if request.from_standing else STAND_DURATION
+    return Expert(data, GaitSchedule(first, request.frequency_hz), stand_duration, request.height)
 
 
 def _push_force(request: ClipRequest, time: float) -> tuple[float, float]:

@@ -222,7 +222,7 @@ def random_command(rng: np.random.Generator) -> Twist:
 def perturbed_requests(count: int, seed: int, cells: Sequence[tuple[str, float]] = tuple(_CELLS)) -> list[ClipRequest]:
     """`count` clips with noisy targets from standing, the cells (gait, stride frequency in Hz) in turn.
 
-    Commands are random; in every other clip of a cell they go over into another one on the way.
+    Commands are random; in every other clip of a cell another one follows on the way.
     """
     requests = []
     for index in range(count):
@@ -232,7 +232,7 @@ def perturbed_requests(count: int, seed: int, cells: Sequence[tuple[str, float]]
         course = ()
         if index // len(cells) % 2:
             change = round(float(rng.uniform(1.5, 2.5)), 2)
-            course = ((0.0, command), (change, command), (change + 0.4, random_command(rng)))
+            course = ((0.0, command), (change, command), (change + 0.02, random_command(rng)))
         gait, frequency = cells[index % len(cells)]
         number = seed * 100_000 + index
         requests.append(
