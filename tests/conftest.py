@@ -23,6 +23,7 @@ def config() -> Config:
     return compose_config(
         [
             "run=smoke",
+            "sim=cpu",
             "sim.num_envs=8",
             "sim.threads=1",
             "logger.wandb_mode=disabled",

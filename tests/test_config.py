@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import pytest
+import torch
+from omegaconf import OmegaConf
 
+from camp import build
 from camp.compose import compose_config
-from camp.config import learner_device, resolve
+from camp.config import as_yaml, learner_device, resolve, simulator_device
 from camp.errors import ConfigError
 from camp.paths import ablation_root, config_root
+from camp.sim import choice
 
 PRESETS = sorted(path.stem for path in (config_root() / "run").glob("*.yaml"))
 ABLATIONS = sorted(path.stem for path in (ablation_root() / "ablation").glob("*.yaml"))
@@ -51,7 +55,7 @@ def test_switches_of_the_baseline():
     ("override", "words"),
     [
         ("sim.num_envs=0", ("sim.num_envs", "0", "1 or more")),
-        ("sim.backend=quantum", ("sim.backend", "quantum", "cpu")),
+        ("sim.backend=quantum", ("sim.backend", "quantum", "cpu, gpu, auto")),
         ("env.episode_s=0", ("env.episode_s", "0", "control period")),
         ("env.control_period_s=0.013", ("env.control_period_s", "0.013", "multiple")),
         ("env.command.vx_m_s=[1,-1]", ("env.command.vx_m_s", "[1.0, -1.0]", "low <= high")),
@@ -78,13 +82,85 @@ def test_out_of_range_values_name_key_value_and_remedy(override, words):
         assert word in line
 
 
+@pytest.mark.parametrize(
+    ("overrides", "words"),
+    [
+        (["sim=gpu", "sim.device=tpu"], ("sim.device", "tpu", "cuda or cpu")),
+        (["sim=gpu", "sim.contacts_per_robot=0"], ("sim.contacts_per_robot", "0", "1 or more")),
+        (["sim=gpu", "sim.constraints_per_robot=0"], ("sim.constraints_per_robot", "0", "1 or more")),
+        (["sim=cpu", "+sim.device=cuda"], ("sim.device", "cuda", "sim=gpu")),
+    ],
+)
+def test_simulators_refuse_what_they_cannot_do(overrides, words):
+    with pytest.raises(ConfigError) as caught:
+        compose_config(overrides)
+    for word in words:
+        assert word in str(caught.value)
+
+
+def test_auto_takes_the_gpu_where_it_can_run(monkeypatch):
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: True)
+    monkeypatch.setattr(choice, "warp_installed", lambda: True)
+    chosen = compose_config(["sim=auto"]).sim
+    assert chosen == compose_config(["sim=gpu"]).sim
+    assert (chosen.backend, chosen.device, chosen.num_envs) == ("gpu", "cuda", 4096)
+    assert compose_config(["sim=auto", "sim.num_envs=7"]).sim.num_envs == 7
+    assert compose_config(["sim=auto", "device=cpu"]).sim == compose_config(["sim=cpu"]).sim
+    monkeypatch.setattr(choice, "warp_installed", lambda: False)
+    assert compose_config(["sim=auto"]).sim == compose_config(["sim=cpu"]).sim
+    assert "pip install" in str(choice.why_no_gpu("auto"))
+
+
+def test_auto_falls_back_on_the_cpu(monkeypatch):
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
+    assert compose_config([]).sim == compose_config(["sim=cpu"]).sim
+    assert choice.why_no_gpu("auto") == "torch finds no CUDA GPU"
+
+
+def test_what_auto_chose_stays_chosen(monkeypatch):
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: True)
+    monkeypatch.setattr(choice, "warp_installed", lambda: True)
+    saved = OmegaConf.to_yaml(as_yaml(compose_config(["sim=auto"])))
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
+    assert resolve(OmegaConf.create(saved)).sim.backend == "gpu"
+
+
+def test_a_run_from_before_the_gpu_backend_still_loads():
+    saved = as_yaml(compose_config(["sim=cpu"]))
+    old = OmegaConf.to_container(saved)
+    old["sim"] = {key: old["sim"][key] for key in ("backend", "num_envs", "threads", "physics_timestep_s")}
+    assert resolve(OmegaConf.create(old)).sim == compose_config(["sim=cpu"]).sim
+
+
+def test_where_the_simulator_runs(monkeypatch):
+    gpu = compose_config(["sim=gpu"])
+    assert simulator_device(compose_config(["sim=cpu"])) == torch.device("cpu")
+    assert simulator_device(compose_config(["sim=gpu", "sim.device=cpu"])) == torch.device("cpu")
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
+    with pytest.raises(ConfigError, match=r"no CUDA GPU.*sim=cpu"):
+        simulator_device(gpu)
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: True)
+    monkeypatch.setattr(torch.cuda, "device_count", lambda: 2)
+    monkeypatch.setattr(torch.cuda, "current_device", lambda: 0)
+    assert simulator_device(gpu) == torch.device("cuda:0")
+    gpu.device = "cuda:1"
+    assert simulator_device(gpu) == torch.device("cuda:1")
+    gpu.device = "cpu"
+    with pytest.raises(ConfigError, match=r"device = 'cpu' beside sim=gpu.*device=cuda"):
+        simulator_device(gpu)
+
+
+def test_a_missing_package_is_named_with_its_remedy(monkeypatch):
+    monkeypatch.setattr(build, "warp_installed", lambda: False)
+    with pytest.raises(ConfigError, match=r"mujoco_warp is not installed; pip install '\.\[gpu\]'"):
+        build.build_simulator(compose_config(["sim=gpu", "sim.device=cpu"]))
+
+
 def test_unknown_device_is_an_error():
     with pytest.raises(ConfigError, match="abacus"):
         learner_device("abacus")
 
 
 def test_resolving_a_resolved_configuration_changes_nothing():
-    from omegaconf import OmegaConf
-
     config = compose_config(["run=smoke"])
     assert resolve(OmegaConf.create(OmegaConf.to_yaml(OmegaConf.structured(config)))) == config

@@ -16,6 +16,7 @@ import pytest
 from camp.build import motion_folder
 from camp.cli import run_hydra
 from camp.compose import compose_config
+from camp.config import load_run_config
 from camp.train import train
 
 TINY = ["sim.num_envs=8", "sim.threads=1", "run.rollout_steps=8", "motion.num_preloaded=400"]
@@ -27,7 +28,8 @@ def command(*arguments: str) -> list[str]:
 
 
 def environment() -> dict[str, str]:
-    return {**os.environ, "OMP_NUM_THREADS": "1", "WANDB_SILENT": "true"}
+    # Without a GPU: on the CPU a resumed run equals an uninterrupted one.
+    return {**os.environ, "OMP_NUM_THREADS": "1", "WANDB_SILENT": "true", "CUDA_VISIBLE_DEVICES": ""}
 
 
 def runs_in(folder: Path) -> list[Path]:
@@ -45,6 +47,8 @@ def test_smoke_run_from_any_folder(tmp_path):
     )
     assert done.returncode == 0, done.stderr
     (run,) = runs_in(tmp_path)
+    assert "sim=auto: cpu (torch finds no CUDA GPU)" in done.stdout
+    assert load_run_config(run).sim.backend == "cpu"
     assert len(metrics_of(run)) == 5
     assert (run / "versions.json").is_file() and list((run / "checkpoints").glob("*.pt"))
     assert (tmp_path / "outputs" / "latest").resolve() == run.resolve()

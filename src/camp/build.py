@@ -13,7 +13,7 @@ from camp.algo.prior import Prior
 from camp.algo.skill import SkillPrior
 from camp.algo.style import StylePrior
 from camp.checkpoint import load_checkpoint
-from camp.config import Config, SimConfig, learner_device, load_run_config
+from camp.config import Config, SimConfig, learner_device, load_run_config, simulator_device
 from camp.envs.measurement import AMP_STATE_SIZE
 from camp.envs.observations import actor_entries, privileged_entries, size
 from camp.envs.quadruped import QuadrupedEnv
@@ -25,6 +25,7 @@ from camp.paths import assets_root
 from camp.robots import go2
 from camp.seeding import generator
 from camp.sim.base import Simulator
+from camp.sim.choice import warp_installed
 from camp.sim.cpu import CpuSimulator
 
 
@@ -66,16 +67,24 @@ def expert_clips(config: Config) -> list[Clip]:
 
 
 def build_simulator(config: Config, num_envs: int | None = None) -> Simulator:
-    """The simulator of conf/sim, with ``num_envs`` robots instead of the configured number where given."""
+    """The simulator of conf/sim, with ``num_envs`` robots instead of the configured number where given.
+
+    Raises ConfigError where it cannot run.
+    """
     sim: SimConfig = config.sim
+    num = sim.num_envs if num_envs is None else num_envs
+    period, timestep = config.env.control_period_s, sim.physics_timestep_s
     gains = (tuple(config.robot.kp) * go2.NUM_LEGS, tuple(config.robot.kd) * go2.NUM_LEGS)
-    return CpuSimulator(
-        sim.num_envs if num_envs is None else num_envs,
-        control_period=config.env.control_period_s,
-        physics_timestep=sim.physics_timestep_s,
-        threads=sim.threads,
-        gains=gains,
-    )
+    if sim.backend == "cpu":
+        return CpuSimulator(num, period, timestep, sim.threads, gains)
+    if not warp_installed():
+        raise ConfigError("sim.backend = 'gpu': mujoco_warp is not installed; pip install '.[gpu]', or choose sim=cpu")
+    device = simulator_device(config)
+    from camp.sim.gpu import GpuSimulator, WarpSettings  # takes seconds, and its packages need not be installed
+
+    assert sim.contacts_per_robot is not None and sim.constraints_per_robot is not None
+    settings = WarpSettings(device, sim.contacts_per_robot, sim.constraints_per_robot)
+    return GpuSimulator(num, period, timestep, settings, gains)
 
 
 def build_env(config: Config, clips: list[Clip], num_envs: int | None = None) -> QuadrupedEnv:

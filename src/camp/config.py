@@ -6,7 +6,7 @@ Values live in YAML (conf/); here are the types, the units and the ranges.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import cast
 
@@ -20,21 +20,36 @@ from camp.errors import ConfigError
 from camp.logger import LoggerConfig
 from camp.motion.gaits import GAIT_PHASES
 from camp.motion.skills import LABELS, Skill, skill_set
+from camp.paths import config_root
 from camp.robots import go2
+from camp.sim.choice import AUTO, BACKENDS, why_no_gpu
 
 
 @dataclass
 class SimConfig:
-    """conf/sim: the simulator."""
+    """conf/sim: the simulator, once ``auto`` has been resolved."""
 
-    backend: str = MISSING  # cpu
+    backend: str = MISSING  # cpu or gpu
     num_envs: int = MISSING
     threads: int = MISSING  # of the simulation and of torch; 0 = one per processor
     physics_timestep_s: float = MISSING
+    device: str = "cpu"  # of the gpu backend: cuda, or cpu for tests
+    contacts_per_robot: int | None = None  # that the gpu backend sets aside, on average over the robots
+    constraints_per_robot: int | None = None  # rows of the solver that the gpu backend sets aside for each robot
+
+    def on_cpu(self) -> SimConfig:
+        """The same physics by the cpu backend."""
+        return replace(self, backend="cpu", device="cpu", contacts_per_robot=None, constraints_per_robot=None)
 
     def check(self) -> None:
-        backends = ("cpu",)
-        checks.require(self.backend in backends, "sim.backend", self.backend, f"choose one of {', '.join(backends)}")
+        _check_backend(self.backend)
+        if self.backend == "gpu":
+            checks.require(self.device in ("cuda", "cpu"), "sim.device", self.device, "choose cuda or cpu")
+            for name in ("contacts_per_robot", "constraints_per_robot"):
+                checks.count(f"sim.{name}", getattr(self, name) or 0)
+        else:
+            remedy = "the cpu backend runs on the CPU; choose sim=gpu, or device=cuda for the learner alone"
+            checks.require(self.device == "cpu", "sim.device", self.device, remedy)
         checks.count("sim.num_envs", self.num_envs)
         checks.not_negative("sim.threads", self.threads)
         checks.positive("sim.physics_timestep_s", self.physics_timestep_s)
@@ -167,14 +182,34 @@ class Config:
 
 
 def resolve(config: DictConfig) -> Config:
-    """The typed and checked configuration behind a composed one.
+    """The typed and checked configuration behind a composed one; ``sim=auto`` becomes what can run here.
 
     Raises an OmegaConf error for an unknown key or a wrong type, ConfigError for a value out of range; the command
     line prints either as one line.
     """
-    typed = cast(Config, OmegaConf.to_object(OmegaConf.merge(OmegaConf.structured(Config), without_hydra(config))))
+    composed = _with_simulator(without_hydra(config))
+    typed = cast(Config, OmegaConf.to_object(OmegaConf.merge(OmegaConf.structured(Config), composed)))
     typed.check()
     return typed
+
+
+def _with_simulator(config: DictConfig) -> DictConfig:
+    """``config`` with the simulator chosen, where that is left to us, and the chosen one's values where none are
+    given."""
+    if "sim" not in config or "backend" not in config.sim:
+        return config
+    backend = config.sim.backend
+    if backend == AUTO:
+        backend = "gpu" if why_no_gpu(config.device) is None else "cpu"
+    _check_backend(backend)
+    given = {key: value for key, value in config.sim.items() if value is not None}
+    values = OmegaConf.merge(OmegaConf.load(config_root() / "sim" / f"{backend}.yaml"), given, {"backend": backend})
+    return OmegaConf.create({key: values if key == "sim" else config._get_node(key) for key in config})
+
+
+def _check_backend(backend: str) -> None:
+    remedy = f"choose one of {', '.join(BACKENDS)}, {AUTO}"
+    checks.require(backend in BACKENDS, "sim.backend", backend, remedy)
 
 
 def as_yaml(config: Config) -> DictConfig:
@@ -208,6 +243,21 @@ def learner_device(name: str) -> torch.device:
     if device.type == "cuda" and (device.index or 0) >= found:
         raise ConfigError(f"device = {name!r}: torch finds {found} CUDA GPUs here; choose auto, cpu or a lower number")
     return device
+
+
+def simulator_device(config: Config) -> torch.device:
+    """Where the simulator's tensors are: the CPU, or the learner's GPU. Raises ConfigError."""
+    if config.sim.device == "cpu":
+        return torch.device("cpu")
+    if not torch.cuda.is_available():
+        raise ConfigError("sim.device = 'cuda': torch finds no CUDA GPU here; choose sim=cpu")
+    learner = learner_device(config.device)
+    if learner.type != "cuda":
+        raise ConfigError(
+            f"device = {config.device!r} beside sim=gpu: the learner would wait for copies at every step; "
+            "choose device=cuda, or sim=cpu"
+        )
+    return torch.device("cuda", torch.cuda.current_device() if learner.index is None else learner.index)
 
 
 def without_hydra(config: DictConfig) -> DictConfig:

@@ -31,7 +31,7 @@ class Go2Env(gym.Env):
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"render_mode {render_mode!r}: choose None or 'rgb_array'")
         self.render_mode = render_mode
-        config = compose_config(["sim.threads=1", *overrides])
+        config = compose_config(["sim=cpu", "sim.threads=1", *overrides])
         self.batched = build_env(config, expert_clips(config), num_envs=1)
         self.observation_space = self.batched.single_observation_space
         self.action_space = self.batched.single_action_space

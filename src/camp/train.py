@@ -22,12 +22,16 @@ from camp.logger import RunIdentity, RunLogger, write_text
 from camp.progress import Progress
 from camp.runner import Runner
 from camp.seeding import seed_everything
+from camp.sim.choice import AUTO, why_no_gpu
 from camp.warm_start import warm_start
 
 
 def train(composed: DictConfig) -> Path:
     """Train as configured, or continue the run that ``resume`` names; returns the run folder."""
     config = resolve(composed)
+    if composed.sim.backend == AUTO and not config.resume:
+        reason = why_no_gpu(config.device)
+        print(f"sim=auto: {config.sim.backend}" + (f" ({reason})" if reason else ""), flush=True)
     if config.resume:
         return resume(Path(config.resume), HydraConfig.get().overrides.task)
     with _training(config) as training:

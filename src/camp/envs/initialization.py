@@ -40,11 +40,9 @@ def standing(num: int, config: InitializationConfig, generator: torch.Generator)
     joints = joints.clamp(constant(go2.JOINT_LOWER, scale), constant(go2.JOINT_UPPER, scale))
     position = torch.zeros(num, 3, device=device)
     position[:, 2] = go2.FOOT_RADIUS - foot_position(joints)[..., 2].amin(dim=1)
-    quaternion = torch.zeros(num, 4, device=device)
-    quaternion[:, 0] = 1.0
     return InitialState(
         base_position=position,
-        base_quaternion=quaternion,
+        base_quaternion=constant((1.0, 0.0, 0.0, 0.0), scale).expand(num, 4),
         base_linear_velocity=torch.zeros(num, 3, device=device),
         base_angular_velocity=torch.zeros(num, 3, device=device),
         joint_position=joints,

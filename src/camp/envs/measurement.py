@@ -69,8 +69,7 @@ class Measurement:
 
 def measure(state: RobotState) -> Measurement:
     """Derive a ``Measurement`` from the simulator's state."""
-    down = torch.zeros_like(state.base_position)
-    down[:, 2] = -1.0
+    down = constant((0.0, 0.0, -1.0), state.base_position).expand_as(state.base_position)
     return Measurement(
         base_position=state.base_position,
         linear_velocity=rotate_inverse(state.base_quaternion, state.base_linear_velocity),

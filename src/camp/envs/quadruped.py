@@ -271,7 +271,8 @@ class QuadrupedEnv(VectorEnv):
 
     def _shown_skill(self, skill: Tensor) -> Tensor:
         """(N, K) one-hot; zeros where an ablation hides it."""
-        return torch.nn.functional.one_hot(skill, self.num_skills).float() * self.config.observe_skill
+        labels = constant(tuple(range(self.num_skills)), skill)
+        return (skill[:, None] == labels).float() * self.config.observe_skill
 
     def _observe(self, situation: observations.Situation) -> tuple[Tensor, Tensor]:
         """The policy's observation with sensor noise, and the critic's privileged part without."""

@@ -43,8 +43,9 @@ class Recording:
 
 
 def evaluation_setting(config: Config, evaluation: EvaluationConfig) -> Config:
-    """The run's configuration with the nominal robot, no noise, no pushes, standing starts and no clock."""
+    """The run's configuration on the CPU with the nominal robot, no noise, no pushes, standing starts, no clock."""
     setting = copy.deepcopy(config)
+    setting.sim = config.sim.on_cpu()
     endless = 10.0 * evaluation.duration_s
     env = setting.env
     env.episode_s = env.command.period_s = env.command.skill_period_s = env.push.period_s = endless

@@ -10,7 +10,14 @@ from camp.robots import go2
 from camp.sim.base import LINK_NAMES, Dynamics
 
 # Fields that differ from robot to robot; what MuJoCo derives from them (``set_const``) is the backend's part.
-FIELD_NAMES = ("body_mass", "body_inertia", "body_pos", "geom_friction", "actuator_gainprm", "actuator_biasprm")
+FIELD_NAMES: tuple[str, ...] = (
+    "body_mass",
+    "body_inertia",
+    "body_pos",
+    "geom_friction",
+    "actuator_gainprm",
+    "actuator_biasprm",
+)
 _PAYLOAD_RADIUS = 0.05  # m; the payload is a point, but MuJoCo wants a positive inertia where there is mass
 
 Gains = tuple[tuple[float, ...], tuple[float, ...]]  # kp in N m/rad and kd in N m s/rad, 12 values each
