@@ -17,6 +17,7 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
 from omegaconf import DictConfig
 
+from camp import distributed
 from camp.compose import register_ablations
 from camp.errors import ConfigError
 from camp.hydra_errors import INPUT_ERRORS, describe
@@ -58,7 +59,7 @@ def run_hydra(config_name: str, task: Callable[[DictConfig], Any], argv: Sequenc
     except _JobFailedElsewhereError as failure:
         return failure.exit_code
     except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
+        print(f"{distributed.label()}interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
     except SystemExit as leave:  # --help, --version
         return leave.code if isinstance(leave.code, int) else int(leave.code is not None)
@@ -122,7 +123,7 @@ def _report(error: Exception, prefix: str = "") -> int:
     if bug or os.environ.get("CAMP_DEBUG") == "1":
         traceback.print_exception(error)
     if not bug:
-        print(f"error: {prefix}{describe(error)}", file=sys.stderr, flush=True)
+        print(f"error: {distributed.label()}{prefix}{describe(error)}", file=sys.stderr, flush=True)
     return EXIT_BUG if bug else EXIT_INPUT
 
 

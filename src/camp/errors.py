@@ -13,5 +13,9 @@ class ClipError(CampError):
     """An expert motion clip is missing, unreadable or wrong."""
 
 
+class RankError(CampError):
+    """A process of data-parallel training lost the others."""
+
+
 class CheckpointError(CampError):
     """A checkpoint is missing, unreadable or does not fit the run."""
