@@ -19,7 +19,7 @@ from omegaconf import DictConfig
 
 from camp import distributed
 from camp.compose import register_ablations
-from camp.errors import ConfigError
+from camp.errors import ConfigError, LauncherError
 from camp.hydra_errors import INPUT_ERRORS, describe
 from camp.paths import config_root
 
@@ -49,7 +49,8 @@ def run_hydra(config_name: str, task: Callable[[DictConfig], Any], argv: Sequenc
     primary = config_root() / config_name
     register_ablations()
     try:
-        with _command_line(_overrides_first(sys.argv[1:] if argv is None else argv)):
+        arguments = _overrides_first(sys.argv[1:] if argv is None else argv)
+        with _command_line(arguments), _launcher_errors(arguments):
             hydra.main(config_path=str(primary.parent), config_name=primary.name, version_base="1.3")(job)()
         if job.error is not None:
             raise job.error
@@ -149,6 +150,24 @@ def _overrides_first(argv: Sequence[str]) -> list[str]:
         if options and options[-1] == name:
             raise ConfigError(f"option {name}: has no value; write {name} <value>, see --hydra-help")
     return overrides + options
+
+
+@contextlib.contextmanager
+def _launcher_errors(arguments: Sequence[str]) -> Iterator[None]:
+    """Turn what a sweep's launcher raises into one line; its jobs' own errors have been dealt with by `_Job`."""
+    try:
+        yield
+    except (*INPUT_ERRORS, _JobFailedElsewhereError):
+        raise
+    except Exception as error:
+        if not {"-m", "--multirun"} & set(arguments):
+            raise
+        chosen = next((a for a in arguments if a.startswith("hydra/launcher=")), "hydra/launcher=basic")
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise LauncherError(
+            f"{chosen}: the launcher ended the sweep ({reason}); check hydra.launcher.* (--cfg hydra -p hydra.launcher "
+            "prints it), or leave it out to run the jobs one after the other"
+        ) from error
 
 
 def _unknown_option(argument: str) -> str:
