@@ -10,7 +10,7 @@ import torch
 from torch import nn
 
 from camp import distributed
-from camp.algo.models import Critic, GaussianActor, SkillEmbedding
+from camp.algo.models import Critic, GaussianActor, SkillEmbedding, set_precision
 from camp.algo.ppo import PPO
 from camp.algo.prior import Prior
 from camp.algo.skill import SkillPrior
@@ -107,7 +107,7 @@ def build_training(config: Config) -> Training:
     clips, skills = expert_clips(config), config.motion.skill_set()
     weights = generator(config.seed, "weights")
     embedding = SkillEmbedding(len(skills), config.algo.embedding_size, weights).to(device)
-    return Training(
+    training = Training(
         env=build_env(config, clips),
         ppo=PPO(
             build_actor(config, weights).to(device),
@@ -126,6 +126,8 @@ def build_training(config: Config) -> Training:
         generators={name: generator(config.seed, distributed.stream(name), device) for name in _OWN_STREAMS},
         device=device,
     )
+    set_precision(training.networks(), config.algo.precision)
+    return training
 
 
 # Of the learner's random streams those that differ between ranks.
