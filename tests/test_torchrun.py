@@ -56,9 +56,12 @@ def test_ranks_see_different_robots_and_hold_the_same_networks(tmp_path):
 
 @pytest.mark.slow
 def test_two_processes_are_one_run(tmp_path):
-    done = run(tmp_path, *SMOKE)
+    imitation = ["algo.imitation.epochs=1", "algo.imitation.batch_size=4096", "motion.perturbed_clips=1"]
+    done = run(tmp_path, *SMOKE, *imitation)
     assert done.returncode == 0, done.stderr
     (folder,) = runs_in(tmp_path)
+    assert len((folder / "imitation.jsonl").read_text().splitlines()) == 1
+    assert done.stdout.count("pairs, loss") == 1
     rows = metrics_of(folder)
     assert [row["iteration"] for row in rows] == [1, 2, 3, 4, 5]
     assert rows[-1]["steps"] == 5 * 8 * 8
