@@ -67,6 +67,7 @@ def test_switches_of_the_baseline():
         ("motion.labels=colour", ("motion.labels", "colour", "gait_frequency")),
         ("motion.frequencies_hz=[2,2]", ("motion.frequencies_hz", "2.0", "once")),
         ("algo.imitation.epochs=0", ("update_normalizer", "False", "true")),
+        ("algo.precision=float16", ("algo.precision", "float16", "bfloat16")),
         ("algo.ppo.clip=0", ("algo.ppo.clip", "0", "above 0")),
         ("run.iterations=0", ("run.iterations", "0", "1 or more")),
         ("seed=-1", ("seed", "-1", "0 or more")),

@@ -87,6 +87,14 @@ def test_a_trained_run_loads_with_its_networks(config, tmp_path):
     torch.testing.assert_close(run.skill_prior.predict(state), prior.predict(state))
 
 
+def test_a_run_in_bfloat16_is_evaluated_in_float32(config, tmp_path):
+    config.algo.precision, config.run.iterations = "bfloat16", 2
+    trained = run_for(config, tmp_path).training.ppo.actor
+    loaded = load_run(tmp_path).actor
+    assert trained.network.reduced and not loaded.network.reduced
+    torch.testing.assert_close(loaded.network[0].weight, trained.network[0].weight)
+
+
 def test_ablations_build_only_what_they_keep(config):
     config.algo.skill.enabled = False
     assert [prior.name for prior in build_training(config).priors] == ["style"]

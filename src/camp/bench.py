@@ -27,7 +27,7 @@ from camp.envs.quadruped import QuadrupedEnv
 from camp.robots import go2
 from camp.runner import Runner
 from camp.single_env import Go2Env
-from camp.train import set_threads
+from camp.threads import set_threads
 from camp.versions import collect_versions
 
 ROUNDS = 5  # of each contender in turn, so that a drifting machine slows all alike

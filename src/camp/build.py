@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 from pathlib import Path
 
 import torch
+from torch import nn
 
-from camp.algo.models import Critic, GaussianActor, SkillEmbedding
+from camp import distributed
+from camp.algo.models import Critic, GaussianActor, SkillEmbedding, set_precision
 from camp.algo.ppo import PPO
 from camp.algo.prior import Prior
 from camp.algo.skill import SkillPrior
@@ -27,11 +30,12 @@ from camp.seeding import generator
 from camp.sim.base import Simulator
 from camp.sim.choice import warp_installed
 from camp.sim.cpu import CpuSimulator
+from camp.threads import threads_of_process
 
 
 @dataclass
 class Training:
-    """All that the training loop works on."""
+    """All that the training loop of one rank works on."""
 
     env: QuadrupedEnv
     ppo: PPO
@@ -40,6 +44,10 @@ class Training:
     clips: list[Clip]
     generators: dict[str, torch.Generator]  # on the learner's device, by stream
     device: torch.device  # of the learner
+
+    def networks(self) -> list[nn.Module]:
+        """All that is learned or measured."""
+        return self.ppo.networks() + [network for prior in self.priors for network in prior.networks()]
 
 
 @dataclass
@@ -96,17 +104,19 @@ def build_env(config: Config, clips: list[Clip], num_envs: int | None = None) ->
         config.env,
         config.robot.action_scale,
         ReferenceStates(clips, config.motion.skill_set(), sim.device),
-        generator(config.seed, "environment", sim.device),
+        generator(config.seed, distributed.stream("environment"), sim.device),
     )
 
 
 def build_training(config: Config) -> Training:
-    """Everything that trains. Raises CampError where clips or devices are missing."""
+    """Everything that trains on this rank. Raises CampError where clips or devices are missing, or where the ranks
+    cannot share the configured totals."""
+    config = share_of_rank(config)
     device = learner_device(config.device)
     clips, skills = expert_clips(config), config.motion.skill_set()
     weights = generator(config.seed, "weights")
     embedding = SkillEmbedding(len(skills), config.algo.embedding_size, weights).to(device)
-    return Training(
+    training = Training(
         env=build_env(config, clips),
         ppo=PPO(
             build_actor(config, weights).to(device),
@@ -122,9 +132,30 @@ def build_training(config: Config) -> Training:
             device,
         ),
         clips=clips,
-        generators={name: generator(config.seed, name, device) for name in ("policy", "minibatches", "priors")},
+        generators={name: generator(config.seed, distributed.stream(name), device) for name in _OWN_STREAMS},
         device=device,
     )
+    set_precision(training.networks(), config.algo.precision)
+    return training
+
+
+# Of the learner's random streams those that differ between ranks.
+_OWN_STREAMS = ("policy", "minibatches", "priors")
+
+
+def share_of_rank(config: Config) -> Config:
+    """The configuration with this rank's part of what is configured for all: robots, batches, replay, processors.
+
+    So the same configuration means the same training on any number of ranks.
+    """
+    own = copy.deepcopy(config)
+    own.sim.num_envs = distributed.share("sim.num_envs", config.sim.num_envs)
+    own.sim.threads = threads_of_process(config.sim.threads)
+    for name, prior in (("style", own.algo.style), ("skill", own.algo.skill)):
+        prior.batch_size = distributed.share(f"algo.{name}.batch_size", prior.batch_size)
+    own.algo.style.replay_size = distributed.share("algo.style.replay_size", own.algo.style.replay_size)
+    own.check()
+    return own
 
 
 def build_actor(config: Config, weights: torch.Generator) -> GaussianActor:

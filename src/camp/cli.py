@@ -17,8 +17,9 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
 from omegaconf import DictConfig
 
+from camp import distributed
 from camp.compose import register_ablations
-from camp.errors import ConfigError
+from camp.errors import ConfigError, LauncherError
 from camp.hydra_errors import INPUT_ERRORS, describe
 from camp.paths import config_root
 
@@ -48,7 +49,8 @@ def run_hydra(config_name: str, task: Callable[[DictConfig], Any], argv: Sequenc
     primary = config_root() / config_name
     register_ablations()
     try:
-        with _command_line(_overrides_first(sys.argv[1:] if argv is None else argv)):
+        arguments = _overrides_first(sys.argv[1:] if argv is None else argv)
+        with _command_line(arguments), _launcher_errors(arguments):
             hydra.main(config_path=str(primary.parent), config_name=primary.name, version_base="1.3")(job)()
         if job.error is not None:
             raise job.error
@@ -58,7 +60,7 @@ def run_hydra(config_name: str, task: Callable[[DictConfig], Any], argv: Sequenc
     except _JobFailedElsewhereError as failure:
         return failure.exit_code
     except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
+        print(f"{distributed.label()}interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
     except SystemExit as leave:  # --help, --version
         return leave.code if isinstance(leave.code, int) else int(leave.code is not None)
@@ -122,7 +124,7 @@ def _report(error: Exception, prefix: str = "") -> int:
     if bug or os.environ.get("CAMP_DEBUG") == "1":
         traceback.print_exception(error)
     if not bug:
-        print(f"error: {prefix}{describe(error)}", file=sys.stderr, flush=True)
+        print(f"error: {distributed.label()}{prefix}{describe(error)}", file=sys.stderr, flush=True)
     return EXIT_BUG if bug else EXIT_INPUT
 
 
@@ -148,6 +150,24 @@ def _overrides_first(argv: Sequence[str]) -> list[str]:
         if options and options[-1] == name:
             raise ConfigError(f"option {name}: has no value; write {name} <value>, see --hydra-help")
     return overrides + options
+
+
+@contextlib.contextmanager
+def _launcher_errors(arguments: Sequence[str]) -> Iterator[None]:
+    """Turn what a sweep's launcher raises into one line; its jobs' own errors have been dealt with by `_Job`."""
+    try:
+        yield
+    except (*INPUT_ERRORS, _JobFailedElsewhereError):
+        raise
+    except Exception as error:
+        if not {"-m", "--multirun"} & set(arguments):
+            raise
+        chosen = next((a for a in arguments if a.startswith("hydra/launcher=")), "hydra/launcher=basic")
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise LauncherError(
+            f"{chosen}: the launcher ended the sweep ({reason}); check hydra.launcher.* (--cfg hydra -p hydra.launcher "
+            "prints it), or leave it out to run the jobs one after the other"
+        ) from error
 
 
 def _unknown_option(argument: str) -> str:

@@ -13,7 +13,7 @@ from typing import cast
 import torch
 from omegaconf import MISSING, DictConfig, OmegaConf
 
-from camp import checks
+from camp import checks, distributed
 from camp.algo.config import AlgoConfig
 from camp.envs.config import EnvConfig
 from camp.errors import ConfigError
@@ -30,8 +30,8 @@ class SimConfig:
     """conf/sim: the simulator, once ``auto`` has been resolved."""
 
     backend: str = MISSING  # cpu or gpu
-    num_envs: int = MISSING
-    threads: int = MISSING  # of the simulation and of torch; 0 = one per processor
+    num_envs: int = MISSING  # on all ranks together
+    threads: int = MISSING  # of the simulation and of torch, per process; 0 = its share of the processors
     physics_timestep_s: float = MISSING
     device: str = "cpu"  # of the gpu backend: cuda, or cpu for tests
     contacts_per_robot: int | None = None  # that the gpu backend sets aside, on average over the robots
@@ -232,16 +232,19 @@ def load_run_config(run: Path, changes: Sequence[str] = ()) -> Config:
 
 
 def learner_device(name: str) -> torch.device:
-    """The torch device behind ``device``; auto takes a CUDA GPU where there is one. Raises ConfigError."""
-    if name == "auto":
-        return torch.device("cuda" if torch.cuda.is_available() else "cpu")
+    """The torch device behind ``device``; auto takes a CUDA GPU where there is one, several ranks on one machine take
+    one each. Raises ConfigError."""
+    automatic = "cuda" if torch.cuda.is_available() else "cpu"
     try:
-        device = torch.device(name)
+        device = torch.device(automatic if name == "auto" else name)
     except RuntimeError as error:
         raise ConfigError(f"device = {name!r}: choose auto, cpu, cuda or cuda:<number>") from error
+    if device.type == "cuda" and distributed.local_size() > 1:
+        checks.require(device.index is None, "device", name, "torchrun gives each process its own GPU; choose cuda")
+        device = torch.device("cuda", distributed.local_rank())
     found = torch.cuda.device_count()
     if device.type == "cuda" and (device.index or 0) >= found:
-        raise ConfigError(f"device = {name!r}: torch finds {found} CUDA GPUs here; choose auto, cpu or a lower number")
+        raise ConfigError(f"device = {name!r}: torch finds {found} CUDA GPUs here and not {device}; choose cpu or auto")
     return device
 
 

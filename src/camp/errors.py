@@ -17,5 +17,13 @@ class ClipError(CampError):
     """An expert motion clip is missing, unreadable or wrong."""
 
 
+class RankError(CampError):
+    """A process of data-parallel training lost the others."""
+
+
+class LauncherError(CampError):
+    """A launcher could not start the jobs of a sweep, or lost one."""
+
+
 class CheckpointError(CampError):
     """A checkpoint is missing, unreadable or does not fit the run."""

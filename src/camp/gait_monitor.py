@@ -7,6 +7,7 @@ from typing import Any
 
 import torch
 
+from camp.algo.averages import Averages
 from camp.data import Step
 from camp.metrics.gait import measure_gait
 from camp.motion.skills import Skill, performed
@@ -44,20 +45,21 @@ class GaitMonitor:
         self._skill = step.skill
 
     def read(self) -> dict[str, float]:
-        """Share of steady robots that show the commanded gait, per skill; share of them that step at all."""
+        """Share of steady robots that show the commanded gait, per skill; share of them that step at all.
+
+        Of all ranks' robots; a skill that none of them follows is left out.
+        """
         steady = (self._steady >= len(self._contact)).nonzero().squeeze(1)[:MAX_READ]
-        if len(steady) == 0:
-            return {}
         contact = torch.roll(self._contact, -self._next, dims=0)[:, steady].transpose(0, 1)
         measured = measure_gait(contact.cpu().numpy(), self._period)
         shown = performed(measured.label, measured.frequency_hz, self.skills)
         commanded = self._skill[steady].cpu().numpy()
-        metrics = {"gait/stepping": float(measured.stepping.all(axis=1).mean())}
+        averages = Averages()
+        averages.add("gait/stepping", torch.from_numpy(measured.stepping.all(axis=1)))
         for label, skill in enumerate(self.skills):
-            chosen = commanded == label
-            if chosen.any():
-                metrics[f"gait/{skill.name}/accuracy"] = float((shown[chosen] == skill.name).mean())
-        return metrics
+            right = shown[commanded == label] == skill.name
+            averages.add(f"gait/{skill.name}/accuracy", torch.from_numpy(right))
+        return averages.result()
 
     def state_dict(self) -> dict[str, Any]:
         return {"contact": self._contact, "skill": self._skill, "steady": self._steady, "next": self._next}

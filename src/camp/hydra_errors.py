@@ -25,6 +25,12 @@ from camp.paths import ablation_root
 #: The errors that are the input's fault; every other exception is a bug and keeps its traceback.
 INPUT_ERRORS = (CampError, HydraException, OmegaConfBaseException)
 
+#: What conf/hydra/launcher builds on, and where it comes from.
+LAUNCHER_PACKAGES = {
+    "hydra/launcher/joblib": "hydra-joblib-launcher",
+    "hydra/launcher/submitit_slurm": "hydra-submitit-launcher",
+}
+
 
 def describe(error: BaseException) -> str:
     """The line to print for one of INPUT_ERRORS."""
@@ -50,6 +56,8 @@ def _describe(error: BaseException) -> str:
 
 def _missing_config(error: MissingConfigException) -> str:
     wanted = PurePosixPath(error.missing_cfg_file or "")
+    if package := LAUNCHER_PACKAGES.get(str(wanted)):
+        return f"{wanted.parent} {wanted.name!r}: {package} is not installed; install it with pip install 'camp[sweep]'"
     if not error.options:
         return f"config {str(wanted)!r}: not found; check it, or leave --config-name and --config-path out"
     guess = _guess(wanted.name, error.options)

@@ -115,6 +115,18 @@ class RunLogger:
         self.finish(exit_code=0 if error_type is None else 1)
 
 
+class NoLogger:
+    """The record that the ranks after the first do not keep."""
+
+    def log(self, iteration: int, metrics: Mapping[str, float]) -> None:
+        """Nothing."""
+
+    def __enter__(self) -> NoLogger:
+        return self
+
+    def __exit__(self, *_: object) -> None: ...
+
+
 def read_metrics(path: Path) -> list[dict[str, Any]]:
     """The lines of a metrics.jsonl; a last line torn by a kill is left out. Raises CheckpointError."""
     try:

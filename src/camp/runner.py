@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import torch
 from torch import Tensor
 
+from camp import distributed
+from camp.algo.averages import Averages
 from camp.algo.losses import gae, mix_rewards
 from camp.build import Training
 from camp.checkpoint import save_run_checkpoint
@@ -16,14 +19,17 @@ from camp.collector import Collector
 from camp.config import Config
 from camp.data import Rollout
 from camp.gait_monitor import GaitMonitor
-from camp.logger import RunLogger
+from camp.logger import NoLogger, RunLogger
 from camp.motion.skills import names
 from camp.progress import Progress
 from camp.seeding import generator_state, global_state, restore_generator, restore_global_state
 
 
 class Runner:
-    """CAMP: PPO on task, style and skill rewards, while the priors that judge style and skill learn beside it."""
+    """CAMP: PPO on task, style and skill rewards, while the priors that judge style and skill learn beside it.
+
+    Every rank runs its own, on its share of the robots; networks stay the same on all of them.
+    """
 
     def __init__(self, training: Training, config: Config, folder: Path):
         self.training, self.config, self.folder = training, config, folder
@@ -39,14 +45,20 @@ class Runner:
         self.iteration = 0  # completed ones
 
     def start(self) -> None:
-        """Begin the first episodes."""
+        """Begin the first episodes, with the first rank's networks everywhere."""
+        distributed.copy_from_first(self.training.networks())
         self.training.env.reset()
 
-    def train(self, logger: RunLogger, progress: Progress, stopping: Callable[[], bool] = lambda: False) -> None:
-        """Iterate to the end, or until ``stopping`` says so between two iterations; always saves what was reached."""
+    def train(
+        self, logger: RunLogger | NoLogger, progress: Progress, stopping: Callable[[], bool] = lambda: False
+    ) -> None:
+        """Iterate to the end, or until ``stopping`` says so on any rank between two iterations.
+
+        Always saves what was reached.
+        """
         run = self.config.run
         saved = self.iteration
-        while self.iteration < run.iterations and not stopping():
+        while self.iteration < run.iterations and not distributed.anywhere(stopping()):
             metrics = self.iterate()
             logger.log(self.iteration, metrics)
             progress.update(self.iteration, metrics)
@@ -90,22 +102,25 @@ class Runner:
         finished = time.perf_counter()
 
         self.iteration += 1
-        metrics |= {f"reward/{name}/raw": float(term.mean()) for name, term in terms.items()}
-        metrics |= {f"reward/{name}/weighted": weights[name] * float(term.mean()) for name, term in terms.items()}
-        metrics |= _per_skill(terms, rollout, names(self.config.motion.skill_set()))
+        metrics |= self._reward_metrics(terms, rollout)
+        metrics |= {f"reward/{name}/weighted": weights[name] * metrics[f"reward/{name}/raw"] for name in terms}
+        metrics["env/diverged"] = float(distributed.total(torch.tensor(metrics["env/diverged"])))
         if self.iteration % run.gait_every == 0:
             metrics |= self.monitor.read()
         metrics["time/collect_s"] = collected - started
         metrics["time/score_s"] = scored - collected
         metrics["time/policy_update_s"] = policy_updated - scored
         metrics["time/prior_update_s"] = finished - policy_updated
-        metrics["time/steps_per_s"] = rollout.skill.numel() / (time.perf_counter() - started)
-        metrics["steps"] = float(self.iteration * rollout.skill.numel())
+        steps = distributed.size() * rollout.skill.numel()
+        metrics["time/steps_per_s"] = steps / (time.perf_counter() - started)
+        metrics["steps"] = float(self.iteration * steps)
         return metrics
 
     def save(self) -> None:
-        """Write a checkpoint of everything a bit-for-bit continuation needs."""
-        save_run_checkpoint(self.folder, self.iteration, self.state_dict(), self.config.run.checkpoints_kept)
+        """Write a checkpoint of everything a bit-for-bit continuation needs, all ranks' parts in one file."""
+        state = self.state_dict()
+        if distributed.is_first():
+            save_run_checkpoint(self.folder, self.iteration, state, self.config.run.checkpoints_kept)
 
     def state_dict(self) -> dict[str, Any]:
         training = self.training
@@ -113,6 +128,13 @@ class Runner:
             "iteration": self.iteration,
             "ppo": training.ppo.state_dict(),
             "priors": {prior.name: prior.state_dict() for prior in training.priors},
+            "ranks": distributed.gather(self._own_state()),
+        }
+
+    def _own_state(self) -> dict[str, Any]:
+        training = self.training
+        return {
+            "memories": {prior.name: prior.memory() for prior in training.priors},
             "env": training.env.state_dict(),
             "monitor": self.monitor.state_dict(),
             "generators": {name: generator_state(g) for name, g in training.generators.items()},
@@ -125,11 +147,14 @@ class Runner:
         training.ppo.load_state_dict(state["ppo"])
         for prior in training.priors:
             prior.load_state_dict(state["priors"][prior.name])
-        training.env.load_state_dict(state["env"])
-        self.monitor.load_state_dict(state["monitor"])
+        own = state["ranks"][distributed.rank()]
+        for prior in training.priors:
+            prior.load_memory(own["memories"][prior.name])
+        training.env.load_state_dict(own["env"])
+        self.monitor.load_state_dict(own["monitor"])
         for name, generator in training.generators.items():
-            restore_generator(generator, state["generators"][name])
-        restore_global_state(state["global_random_state"])
+            restore_generator(generator, own["generators"][name])
+        restore_global_state(own["global_random_state"])
 
     def _score(self, rollout: Rollout) -> dict[str, Tensor]:
         """Every reward term of eq. (2), each (T, N), as judged before this iteration's updates."""
@@ -138,12 +163,10 @@ class Runner:
             terms[prior.name] = prior.reward(rollout.transitions()).view_as(rollout.task_reward)
         return terms
 
-
-def _per_skill(terms: dict[str, Tensor], rollout: Rollout, skills: Sequence[str]) -> dict[str, float]:
-    """Mean raw reward of every term while each skill was commanded."""
-    metrics = {}
-    for label, skill in enumerate(skills):
-        chosen = rollout.skill == label
-        if chosen.any():
-            metrics |= {f"reward/{name}/raw/{skill}": float(term[chosen].mean()) for name, term in terms.items()}
-    return metrics
+    def _reward_metrics(self, terms: dict[str, Tensor], rollout: Rollout) -> dict[str, float]:
+        """Mean raw reward of every term, over all and while each skill was commanded."""
+        averages, skill = Averages(), rollout.skill.flatten()
+        for name, term in terms.items():
+            averages.add(f"reward/{name}/raw", term)
+            averages.add_per_skill(f"reward/{name}/raw", term.flatten(), skill, names(self.config.motion.skill_set()))
+        return averages.result()

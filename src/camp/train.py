@@ -1,50 +1,65 @@
-"""Train a policy: ``python -m camp.train [overrides]``; see conf/train.yaml."""
+"""Train a policy: ``python -m camp.train [overrides]``, on its own or under torchrun; see conf/train.yaml."""
 
 from __future__ import annotations
 
 import json
+import os
 import signal
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-import torch
 from hydra.core.hydra_config import HydraConfig
+from hydra.types import RunMode
 from omegaconf import DictConfig
 
+from camp import distributed
 from camp.build import Training, build_training
 from camp.checkpoint import load_checkpoint
 from camp.cli import new_run_folder, run_hydra
 from camp.config import Config, as_yaml, load_run_config, resolve
 from camp.errors import CheckpointError, ConfigError
-from camp.logger import RunIdentity, RunLogger, write_text
+from camp.logger import NoLogger, RunIdentity, RunLogger, write_text
 from camp.progress import Progress
 from camp.runner import Runner
 from camp.seeding import seed_everything
 from camp.sim.choice import AUTO, why_no_gpu
+from camp.threads import set_threads
 from camp.warm_start import warm_start
 
 
 def train(composed: DictConfig) -> Path:
     """Train as configured, or continue the run that ``resume`` names; returns the run folder."""
-    config = resolve(composed)
-    if composed.sim.backend == AUTO and not config.resume:
-        reason = why_no_gpu(config.device)
-        print(f"sim=auto: {config.sim.backend}" + (f" ({reason})" if reason else ""), flush=True)
-    if config.resume:
-        return resume(Path(config.resume), HydraConfig.get().overrides.task)
+    config, hydra = resolve(composed), HydraConfig.get()
+    with distributed.join():
+        if hydra.mode == RunMode.MULTIRUN and distributed.size() > 1:
+            raise ConfigError("--multirun under torchrun: several jobs cannot share its processes; start one at a time")
+        if config.resume:
+            return resume(Path(config.resume), hydra.overrides.task)
+        if composed.sim.backend == AUTO:
+            reason = why_no_gpu(config.device)
+            distributed.announce(f"sim=auto: {config.sim.backend}" + (f" ({reason})" if reason else ""))
+        return _train(config)
+
+
+def _train(config: Config) -> Path:
     with _training(config) as training:
-        imitation = warm_start(training, config)
-        runner = Runner(
-            training, config, new_run_folder(Path(config.output_dir), f"{config.variant}-seed{config.seed}")
-        )
+        imitation, folder = distributed.on_first(lambda: _begin(training, config))
+        runner = Runner(training, config, folder)
         runner.start()
         with _logger(runner) as logger:
-            write_text(runner.folder / "imitation.jsonl", "".join(json.dumps(row) + "\n" for row in imitation))
+            if distributed.is_first():
+                write_text(runner.folder / "imitation.jsonl", "".join(json.dumps(row) + "\n" for row in imitation))
             runner.save()
             _run(runner, logger)
     return runner.folder
+
+
+def _begin(training: Training, config: Config) -> tuple[list[dict[str, float]], Path]:
+    """What happens once, whatever the number of ranks: imitation, and then the run folder."""
+    imitation = warm_start(training, config)
+    return imitation, new_run_folder(Path(config.output_dir), f"{config.variant}-seed{config.seed}")
 
 
 def resume(folder: Path, overrides: Sequence[str]) -> Path:
@@ -61,8 +76,11 @@ def resume(folder: Path, overrides: Sequence[str]) -> Path:
             )
     config = load_run_config(folder, changes)
     checkpoint = load_checkpoint(folder)
+    _check_ranks(checkpoint, folder)
     if checkpoint["iteration"] >= config.run.iterations:
-        print(f"{folder} has all its {config.run.iterations} iterations; add more with run.iterations=<number>")
+        distributed.announce(
+            f"{folder} has all its {config.run.iterations} iterations; add more with run.iterations=<number>"
+        )
         return folder
     with _training(config) as training:
         runner = Runner(training, config, folder)
@@ -83,33 +101,56 @@ def _training(config: Config) -> Iterator[Training]:
         training.env.close()
 
 
-def set_threads(threads: int) -> None:
-    """Give torch's operations as many threads as the simulator has; 0 leaves one per processor to both."""
-    if threads > 0:
-        torch.set_num_threads(threads)
-
-
-def _logger(runner: Runner, resume_from: int | None = None) -> RunLogger:
+def _logger(runner: Runner, resume_from: int | None = None) -> RunLogger | NoLogger:
+    if not distributed.is_first():
+        return NoLogger()
     config = runner.config
     print(f"run folder: {runner.folder}", flush=True)
     identity = RunIdentity(runner.folder, group=config.variant, tags=[f"seed{config.seed}"])
     return RunLogger(identity, config.logger, as_yaml(config), resume_from)
 
 
-def _run(runner: Runner, logger: RunLogger) -> None:
+def _run(runner: Runner, logger: RunLogger | NoLogger) -> None:
     run = runner.config.run
-    print(f"preloaded transitions: {_preloaded(runner.training)}", flush=True)
+    distributed.announce(f"preloaded transitions: {_preloaded(runner.training)}")
     steps = run.rollout_steps * runner.config.sim.num_envs
-    with Progress(run.iterations, steps) as progress, _stop_signals() as stopping:
+    with (
+        open(os.devnull, "w") as nowhere,
+        Progress(run.iterations, steps, stream=None if distributed.is_first() else nowhere) as progress,
+        _stop_signals() as stopping,
+    ):
         runner.train(logger, progress, lambda: bool(stopping))
-    if stopping:
-        print(f"stopped at iteration {runner.iteration}; continue with: python -m camp.train resume={runner.folder}")
+    if distributed.anywhere(bool(stopping)):
+        distributed.announce(
+            f"stopped at iteration {runner.iteration}; continue with: {_command()} resume={runner.folder}"
+        )
         raise KeyboardInterrupt
+
+
+def _command() -> str:
+    """How this training is started, for messages."""
+    ranks = distributed.size()
+    return "python -m camp.train" if ranks == 1 else f"torchrun --nproc-per-node={ranks} -m camp.train"
 
 
 def _preloaded(training: Training) -> str:
     demonstrations = training.demonstrations
     return f"{len(demonstrations):,} ({demonstrations.memory_bytes / 2**20:.0f} MiB)"
+
+
+def _check_ranks(checkpoint: dict, folder: Path) -> None:
+    """Every rank continues its own episodes and random streams, so there must be as many as when it was saved."""
+    if "ranks" not in checkpoint:
+        raise CheckpointError(
+            f"run folder {folder}: its checkpoint is of an earlier camp, which can be evaluated but not continued; "
+            "continue it with the commit in its versions.json, or train anew"
+        )
+    saved, here = len(checkpoint["ranks"]), distributed.size()
+    if saved != here:
+        raise CheckpointError(
+            f"run folder {folder}: it was trained by {saved} process{'es' * (saved > 1)}, and here are {here}; "
+            f"continue it with as many: torchrun --nproc-per-node={saved} -m camp.train resume={folder}"
+        )
 
 
 def _restore(runner: Runner, checkpoint: dict) -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 from rich.progress import Progress, track
@@ -47,7 +49,8 @@ def perturbed_clips(config: Config) -> list[Clip]:
     requests = perturbed_requests(wanted.perturbed_clips, PERTURBED_SEED, cells)
     folder = Path(wanted.perturbed_folder or Path(config.output_dir) / "motions" / f"perturbed-{_expert_version()}")
     folder.mkdir(parents=True, exist_ok=True)
-    _generate_missing(requests, folder)
+    with _one_at_a_time(folder):  # jobs of a sweep want the same clips
+        _generate_missing(requests, folder)
     made = [path for path in (folder / f"{request.name}.npz" for request in requests) if path.is_file()]
     # A few noisy clips end in a fall and are not kept; many would mean that something is wrong.
     if len(made) < 0.7 * len(requests):
@@ -72,6 +75,17 @@ def _generate_missing(requests: list[ClipRequest], folder: Path) -> None:
             if outcome.status == "failed":
                 file.write(f"{outcome.request.name}\n")
             progress.advance(task)
+
+
+@contextlib.contextmanager
+def _one_at_a_time(folder: Path) -> Iterator[None]:
+    """Let other processes that come here wait, where the system has file locks."""
+    with (folder / ".lock").open("w") as lock:
+        with contextlib.suppress(ImportError, OSError):
+            import fcntl
+
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
 
 
 def _expert_version() -> str:

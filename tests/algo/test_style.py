@@ -145,11 +145,13 @@ def test_restored_prior_continues_bit_for_bit():
     options = {"replay_size": 300, "input_noise": 0.1, "mismatch_share": 0.2}
     prior = make_style(**options)
     train(prior, range(2))
-    saved = copy.deepcopy(prior.state_dict())
+    saved, memory = copy.deepcopy(prior.state_dict()), copy.deepcopy(prior.memory())
     restored = make_style(seed=9, **options)
     restored.load_state_dict(saved)
+    restored.load_memory(memory)
     assert train(prior, range(2, 3)) == train(restored, range(2, 3))
     assert_identical(prior.state_dict(), restored.state_dict())
+    assert_identical(prior.memory(), restored.memory())
 
 
 def test_mismatch_needs_a_second_skill():

@@ -1,4 +1,4 @@
-"""Means of metrics over the minibatches of one update."""
+"""Means of metrics over the minibatches of one update and over all ranks."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from collections.abc import Sequence
 import torch
 from torch import Tensor
 from torch.nn import functional
+
+from camp import distributed
 
 
 class Averages:
@@ -36,9 +38,9 @@ class Averages:
         self._count[name] = self._count[name] + count if name in self._count else count
 
     def result(self) -> dict[str, float]:
-        """Mean per name; a name of which nothing was seen is left out."""
+        """Mean per name over all ranks, which have added the same names; those without any values are left out."""
         if not self._sum:
             return {}
-        sums = torch.stack(list(self._sum.values())).tolist()
-        counts = torch.stack(list(self._count.values())).tolist()
+        rows = torch.stack([torch.stack(list(self._sum.values())), torch.stack(list(self._count.values()))])
+        sums, counts = distributed.total(rows).tolist()
         return {name: s / n for name, s, n in zip(self._sum, sums, counts, strict=True) if n > 0}

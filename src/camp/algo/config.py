@@ -11,6 +11,8 @@ from omegaconf import MISSING
 
 from camp import checks
 
+PRECISIONS = ("float32", "bfloat16", "tf32")
+
 
 @dataclass
 class ActorConfig:
@@ -167,6 +169,7 @@ class AlgoConfig:
 
     task_weight: float = MISSING  # omega^task of eq. (2)
     embedding_size: int = MISSING  # d_z, at least the number of skills
+    precision: str = MISSING  # of the networks' layers while training; everything else is float32 or finer
     actor: ActorConfig = field(default_factory=ActorConfig)
     critic: CriticConfig = field(default_factory=CriticConfig)
     ppo: PPOConfig = field(default_factory=PPOConfig)
@@ -177,5 +180,7 @@ class AlgoConfig:
     def check(self) -> None:
         checks.not_negative("algo.task_weight", self.task_weight)
         checks.count("algo.embedding_size", self.embedding_size)
+        choice = f"choose one of {', '.join(PRECISIONS)}"
+        checks.require(self.precision in PRECISIONS, "algo.precision", self.precision, choice)
         for part in (self.actor, self.critic, self.ppo, self.style, self.skill, self.imitation):
             part.check()

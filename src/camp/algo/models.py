@@ -8,7 +8,7 @@ device.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
 import torch
@@ -22,9 +22,29 @@ ACTOR_HEAD_GAIN = 0.01  # the first policy holds the default pose (Andrychowicz 
 SKILL_HEAD_GAIN = 0.1  # first predictions are short, so the first loss is the embedding's own norm
 
 
-def mlp(
-    sizes: Sequence[int], activation: type[nn.Module], head_gain: float, generator: torch.Generator
-) -> nn.Sequential:
+class MLP(nn.Sequential):
+    """Layers that may compute in bfloat16 (`algo.precision`); parameters and answers are float32 in any case."""
+
+    reduced = False
+
+    def forward(self, input: Tensor) -> Tensor:
+        with torch.autocast(input.device.type, torch.bfloat16, enabled=self.reduced):
+            return super().forward(input).float()
+
+
+def set_precision(networks: Iterable[nn.Module], precision: str) -> None:
+    """Let every `MLP` inside the networks compute in one of PRECISIONS.
+
+    tf32 is torch's setting for the whole process; where a processor has no such unit nothing changes.
+    """
+    torch.set_float32_matmul_precision("high" if precision == "tf32" else "highest")
+    for network in networks:
+        for module in network.modules():
+            if isinstance(module, MLP):
+                module.reduced = precision == "bfloat16"
+
+
+def mlp(sizes: Sequence[int], activation: type[nn.Module], head_gain: float, generator: torch.Generator) -> MLP:
     """Fully connected; sizes = (inputs, hidden..., outputs), `activation` between layers, none at the end."""
     layers: list[nn.Module] = []
     last = len(sizes) - 2
@@ -33,7 +53,7 @@ def mlp(
         nn.init.orthogonal_(layer.weight, head_gain if i == last else math.sqrt(2.0), generator=generator)
         nn.init.zeros_(layer.bias)
         layers += [layer] if i == last else [layer, activation()]
-    return nn.Sequential(*layers)
+    return MLP(*layers)
 
 
 class GaussianActor(nn.Module):

@@ -5,6 +5,8 @@ from __future__ import annotations
 import torch
 from torch import Tensor, nn
 
+from camp import distributed
+
 VARIANCE_FLOOR = 1e-6  # squared input units; keeps inputs that never vary (an unused one-hot entry) finite
 
 
@@ -35,13 +37,10 @@ class RunningNormalizer(nn.Module):
 
     @torch.no_grad()
     def update(self, x: Tensor) -> None:
-        """Merges the rows of x (..., size) into the statistics."""
-        rows = x.reshape(-1, x.shape[-1]).to(torch.float64)
-        if rows.shape[0] == 0:
-            return
-        variance, mean = torch.var_mean(rows, dim=0, correction=0)
-        total = self.count + rows.shape[0]
-        share = rows.shape[0] / total  # of the new rows
+        """Merges the rows of x (..., size), those of all ranks together, into the statistics."""
+        mean, variance, count = distributed.moments(x.reshape(-1, x.shape[-1]))
+        total = self.count + count
+        share = count / total.clamp(min=1.0)  # of the new rows
         delta = mean - self.mean
         self.variance.mul_(1.0 - share).add_(variance * share + delta.square() * share * (1.0 - share))
         self.mean.add_(delta * share)

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 import torch
 from torch import Tensor, nn
 
+from camp import distributed
 from camp.algo.averages import Averages
 from camp.algo.config import PPOConfig
 from camp.algo.losses import (
@@ -19,6 +20,7 @@ from camp.algo.losses import (
     gaussian_log_prob,
 )
 from camp.algo.models import Critic, GaussianActor
+from camp.algo.optimization import backward
 from camp.data import Decision, Rollout
 
 RATE_FACTOR = 1.5  # of one correction of the policy rate (legged_gym)
@@ -58,7 +60,8 @@ def minibatches(size: int, epochs: int, count: int, generator: torch.Generator) 
 
 def explained_variance(value: Tensor, return_: Tensor) -> Tensor:
     """1 - Var(R - V) / Var(R): 1 is a perfect critic, 0 no better than a constant. Any shape -> ()."""
-    return 1.0 - (return_ - value).var() / return_.var().clamp(min=1e-8)
+    (_, unexplained, _), (_, all_, _) = (distributed.moments(x.reshape(-1, 1)) for x in (return_ - value, return_))
+    return 1.0 - (unexplained / all_.clamp(min=1e-8)).squeeze()
 
 
 class PPO:
@@ -139,14 +142,15 @@ class PPO:
         return minibatches(return_.numel(), self.config.epochs, self.config.minibatches, generator)
 
     def _actor_batch(self, rollout: Rollout, advantage: Tensor) -> _ActorBatch:
-        spread = advantage.std() if advantage.numel() > 1 else advantage.new_zeros(())
+        mean, variance, _ = distributed.moments(advantage.reshape(-1, 1))
+        standardized = (advantage - mean) / (variance.sqrt() + 1e-8)
         return _ActorBatch(
             observation=rollout.observation.flatten(0, 1),
             action=rollout.action.flatten(0, 1),
             log_prob=rollout.log_prob.flatten(),
             action_mean=rollout.action_mean.flatten(0, 1),
             action_std=rollout.action_std.flatten(0, 1),
-            advantage=((advantage - advantage.mean()) / (spread + 1e-8)).flatten(),
+            advantage=standardized.to(advantage.dtype).flatten(),
         )
 
     def _critic_batch(self, rollout: Rollout, return_: Tensor, averages: Averages) -> _CriticBatch:
@@ -169,11 +173,11 @@ class PPO:
         std = self.actor.std
         kl = gaussian_kl(batch.action_mean, batch.action_std, mean.detach(), std.detach()).mean()
         if adapt:
-            self._adapt(kl.item())
+            self._adapt(distributed.average(kl).item())
         log_prob = gaussian_log_prob(batch.action, mean, std)
         surrogate = clipped_surrogate_loss(log_prob, batch.log_prob, batch.advantage, self.config.clip)
         entropy = gaussian_entropy(std)
-        norm = self._descend(self.actor, self.actor_optimizer, surrogate - self.config.entropy * entropy)
+        norm = self._descend(self.actor_optimizer, surrogate - self.config.entropy * entropy)
         self.actor.project_std()
         clipped = ((log_prob.detach() - batch.log_prob).exp() - 1.0).abs() > self.config.clip
         averages.add("ppo/kl", kl)
@@ -188,12 +192,10 @@ class PPO:
         scale = self.critic.return_std  # the loss counts in standard deviations of the return
         loss = clipped_value_loss(value / scale, batch.value / scale, batch.return_ / scale, self.config.value_clip)
         averages.add("ppo/value_loss", loss)
-        averages.add("ppo/grad_norm/critic", self._descend(self.critic, self.critic_optimizer, loss))
+        averages.add("ppo/grad_norm/critic", self._descend(self.critic_optimizer, loss))
 
-    def _descend(self, network: nn.Module, optimizer: torch.optim.Optimizer, loss: Tensor) -> Tensor:
-        optimizer.zero_grad(set_to_none=True)
-        loss.backward()
-        norm = nn.utils.clip_grad_norm_(network.parameters(), self.config.max_grad_norm)
+    def _descend(self, optimizer: torch.optim.Optimizer, loss: Tensor) -> Tensor:
+        norm = nn.utils.clip_grad_norm_(backward(loss, optimizer), self.config.max_grad_norm)
         optimizer.step()
         return norm
 
@@ -202,6 +204,10 @@ class PPO:
             self.set_learning_rate(self.learning_rate / RATE_FACTOR)
         elif kl < 0.5 * self.config.desired_kl:
             self.set_learning_rate(self.learning_rate * RATE_FACTOR)
+
+    def networks(self) -> list[nn.Module]:
+        """All that is learned or measured, for ranks to begin with the same."""
+        return [self.actor, self.critic]
 
     def state_dict(self) -> dict[str, Any]:
         """Everything the next update depends on, the adapted rate included (it lives in the optimizer)."""

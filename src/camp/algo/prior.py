@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 import torch
-from torch import Tensor
+from torch import Tensor, nn
 
 from camp.data import Transition
 
@@ -41,9 +41,21 @@ class Prior(Protocol):
         """Learns from this iteration's policy transitions and from demonstrations; returns metrics."""
         ...
 
-    def state_dict(self) -> dict[str, Any]: ...
+    def networks(self) -> list[nn.Module]:
+        """All that is learned or measured, for ranks to begin with the same."""
+        ...
+
+    def state_dict(self) -> dict[str, Any]:
+        """What the next update depends on and all ranks have in common."""
+        ...
 
     def load_state_dict(self, state: dict[str, Any]) -> None: ...
+
+    def memory(self) -> dict[str, Any]:
+        """What the next update depends on besides, this rank's own."""
+        ...
+
+    def load_memory(self, state: dict[str, Any]) -> None: ...
 
 
 def in_chunks(score: Callable[[Transition], Tensor], transition: Transition) -> Tensor:

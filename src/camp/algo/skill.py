@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import torch
-from torch import Tensor
+from torch import Tensor, nn
 from torch.nn import functional
 
 from camp.algo.averages import Averages
@@ -14,6 +14,7 @@ from camp.algo.config import SkillConfig
 from camp.algo.losses import gradient_penalty, skill_regression_loss, skill_reward
 from camp.algo.models import SkillDiscriminator, SkillEmbedding
 from camp.algo.normalizer import RunningNormalizer
+from camp.algo.optimization import backward
 from camp.algo.prior import DemonstrationSource, draw, in_chunks
 from camp.data import Transition
 
@@ -80,8 +81,7 @@ class SkillPrior:
         predicted = self.network(x)
         loss = skill_regression_loss(predicted, self.embedding(expert.skill))  # eq. (7), target detached
         penalty = gradient_penalty(predicted, x, generator)  # eq. (8)
-        self.optimizer.zero_grad(set_to_none=True)
-        (loss + self.config.gradient_penalty * penalty).backward()
+        backward(loss + self.config.gradient_penalty * penalty, self.optimizer)
         self.optimizer.step()
 
         right = self.classify(predicted) == expert.skill
@@ -89,6 +89,9 @@ class SkillPrior:
         averages.add("prior/skill/gradient_penalty", penalty)
         averages.add("prior/skill/accuracy", right)
         averages.add_per_skill("prior/skill/accuracy", right, expert.skill, self.skills)
+
+    def networks(self) -> list[nn.Module]:
+        return [self.network, self.embedding, self.normalizer]
 
     def state_dict(self) -> dict[str, Any]:
         """With the embedding, though the style prior may save it too: predictions mean nothing without it."""
@@ -104,3 +107,9 @@ class SkillPrior:
         self.embedding.load_state_dict(state["embedding"])
         self.normalizer.load_state_dict(state["normalizer"])
         self.optimizer.load_state_dict(state["optimizer"])
+
+    def memory(self) -> dict[str, Any]:
+        return {}
+
+    def load_memory(self, state: dict[str, Any]) -> None:
+        """Nothing: expert motion alone is learned from."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import torch
-from torch import Tensor
+from torch import Tensor, nn
 from torch.nn import functional
 
 from camp.algo.averages import Averages
@@ -14,6 +14,7 @@ from camp.algo.config import StyleConfig
 from camp.algo.losses import gradient_penalty, lsgan_loss, style_reward
 from camp.algo.models import ConditionalDiscriminator, SkillEmbedding
 from camp.algo.normalizer import RunningNormalizer
+from camp.algo.optimization import backward
 from camp.algo.prior import DemonstrationSource, draw, in_chunks
 from camp.algo.replay import ReplayBuffer
 from camp.data import Transition, concatenate
@@ -95,8 +96,7 @@ class StylePrior:
         loss = lsgan_loss(expert_logit, fake_logit)  # eq. (3)
         # In standardized units: raw ones (rad/s, m) differ by orders of magnitude.
         penalty = gradient_penalty(expert_logit, expert_input)
-        self.optimizer.zero_grad(set_to_none=True)
-        (loss + self.config.gradient_penalty * penalty).backward()
+        backward(loss + self.config.gradient_penalty * penalty, self.optimizer)
         self.optimizer.step()
 
         right = torch.cat([expert_logit > 0.0, fake_logit < 0.0])
@@ -146,19 +146,26 @@ class StylePrior:
         others = cosine[~torch.eye(len(rows), dtype=torch.bool, device=cosine.device)]
         return others.max() if len(others) else cosine.new_zeros(())
 
+    def networks(self) -> list[nn.Module]:
+        return [self.network, self.embedding, self.normalizer]
+
     def state_dict(self) -> dict[str, Any]:
-        state: dict[str, Any] = {
+        return {
             "network": self.network.state_dict(),
             "embedding": self.embedding.state_dict(),
             "normalizer": self.normalizer.state_dict(),
             "optimizer": self.optimizer.state_dict(),
         }
-        return state if self.replay is None else state | {"replay": self.replay.state_dict()}
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
         self.network.load_state_dict(state["network"])
         self.embedding.load_state_dict(state["embedding"])
         self.normalizer.load_state_dict(state["normalizer"])
         self.optimizer.load_state_dict(state["optimizer"])
+
+    def memory(self) -> dict[str, Any]:
+        return {} if self.replay is None else {"replay": self.replay.state_dict()}
+
+    def load_memory(self, state: dict[str, Any]) -> None:
         if self.replay is not None:
             self.replay.load_state_dict(state["replay"])

@@ -163,7 +163,7 @@ def _coarse_frequency(signal: Array, period_s: float) -> Array:
     angle = 2 * np.pi * period_s * np.outer(np.arange(length), grid)  # (L, F)
     rows = np.swapaxes(centred, 2, 3).reshape(-1, length)
     power = (rows @ np.cos(angle)) ** 2 + (rows @ np.sin(angle)) ** 2
-    power = power.reshape(len(signal), -1, len(grid)).sum(axis=1)  # (N, F)
+    power = power.reshape(len(signal), signal.shape[1] * signal.shape[3], len(grid)).sum(axis=1)  # (N, F)
 
     peak = np.clip(power.argmax(axis=1), 1, len(grid) - 2)
     left, middle, right = (np.take_along_axis(power, (peak + i)[:, None], axis=1)[:, 0] for i in (-1, 0, 1))

@@ -24,7 +24,7 @@ from camp.robots.go2 import DEFAULT_JOINT_POSITION, STANDING_HEIGHT, load_model
 CLIP_STEPS = 200  # rows, 4 s
 WARM_UP = 3.0  # s of walking before a clip is recorded that does not begin with standing
 STAND_DURATION = 0.2  # s before the gait begins
-# The same of clips that show the start: a clone sees no clock, and would learn of a longer wait that standing robots stand.
+# s, of clips that show the start: a clone sees no clock, and would learn of a longer wait to stand
 SHORT_STAND_DURATION = 0.04
 CHANGE_DURATION = 0.15  # s on all four feet between two gaits
 CHANGE_TIME = 1.5  # s of the recording after which the next stride changes the gait
