@@ -48,7 +48,7 @@ def test_same_request_same_clip(perturbed: Clip) -> None:
 
 def test_seed_changes_the_noise_alone(perturbed: Clip) -> None:
     other = generate_clip(replace(PERTURBED, seed=6), STEPS)
-    np.testing.assert_array_equal(other.joint_target[:20], perturbed.joint_target[:20])  # before the noise
+    np.testing.assert_array_equal(other.joint_target[0], perturbed.joint_target[0])  # before the noise acts
     assert np.abs(other.joint_position - perturbed.joint_position)[-1].max() > 1e-3
 
 
@@ -62,10 +62,9 @@ def test_steady_clip_walks_as_commanded(steady: Clip) -> None:
 
 def test_perturbed_clip_keeps_the_clean_answer(perturbed: Clip) -> None:
     noise = perturbed.joint_target_applied - perturbed.joint_target
-    assert (noise[:25] == 0.0).all()  # .2 s of standing and .3 s of walking
-    assert noise[30:].std() == pytest.approx(0.05, rel=0.2)
+    assert noise.std() == pytest.approx(0.05, rel=0.2)
     assert perturbed.command.shape == (STEPS, 3)
-    assert (perturbed.command[0] == 0.0).all()
+    np.testing.assert_allclose(perturbed.command, np.broadcast_to(PERTURBED.command, (STEPS, 3)))  # as asked for
     assert np.abs(perturbed.joint_velocity[0]).max() == 0.0  # from standing
     assert all(check.passed for check in check_clip(perturbed))
 
