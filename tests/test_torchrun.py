@@ -86,7 +86,7 @@ def test_a_stopped_or_killed_run_continues_as_if_nothing_had_happened(tmp_path):
     stopped = subprocess.Popen(command(*long), cwd=broken, env=environment(), stdout=subprocess.PIPE, text=True)
     folder = wait_for_checkpoint(broken, stopped, 3)
     stopped.send_signal(signal.SIGTERM)
-    output, _ = stopped.communicate(timeout=60)
+    output, _ = stopped.communicate(timeout=180)
     assert stopped.returncode != 0 and "continue with: torchrun --nproc-per-node=2" in output
     reached = len(metrics_of(folder))
     assert reached < 20 and len(load_checkpoint(folder)["ranks"]) == 2
@@ -96,7 +96,7 @@ def test_a_stopped_or_killed_run_continues_as_if_nothing_had_happened(tmp_path):
     wait_for_checkpoint(broken, killed, reached + 2)
     children = Path(f"/proc/{killed.pid}/task/{killed.pid}/children").read_text().split()
     subprocess.run(["kill", "-KILL", children[-1]], check=True)
-    _, errors = killed.communicate(timeout=60)
+    _, errors = killed.communicate(timeout=180)
     assert killed.returncode != 0 and len(metrics_of(folder)) < 30
     assert "error: rank 0: the other processes cannot be reached" in errors
 
