@@ -58,8 +58,8 @@ figures: setup ## draw the figures of RUN
 dataset: setup ## generate the expert motions that are missing (all: ARGS=--overwrite)
 	"$(BIN)/python" -m camp.dataset $(ARGS)
 
-bench: setup ## measure simulation, environment and training speed
-	"$(BIN)/python" -m camp.bench $(ARGS)
+bench: setup ## measure simulation, environment and training speed (sim=gpu, sim=cpu)
+	"$(BIN)/python" -m camp.bench $(if $(sim),sim=$(sim)) $(ARGS)
 
 clean: ## remove the virtual environment, builds and caches (never outputs/)
 	rm -rf "$(VENV)" build dist .pytest_cache .ruff_cache .hypothesis

@@ -22,6 +22,7 @@ class Program:
 
     def __init__(self, launch: Callable[[], None], device: torch.device):
         self._launch, self._device = launch, device
+        self._stream: wp.Stream | None = None
         self._graph: wp.Graph | None = None
         if device.type == "cuda":
             torch.cuda.synchronize(device)
@@ -42,13 +43,20 @@ class Program:
         if self._graph is None:
             self.run_directly()
         else:
-            wp.capture_launch(self._graph, stream=wp.stream_from_torch(self._device))
+            wp.capture_launch(self._graph, stream=self._torch_stream())
 
     def run_directly(self) -> None:
         """The same, launch by launch."""
         if self._device.type == "cuda":
-            with wp.ScopedStream(wp.stream_from_torch(self._device)):
+            with wp.ScopedStream(self._torch_stream()):
                 self._launch()
         else:
             with wp.ScopedDevice(str(self._device)):
                 self._launch()
+
+    def _torch_stream(self) -> wp.Stream:
+        """Torch's current stream; wrapped anew only when it is another one than before."""
+        current = torch.cuda.current_stream(self._device)
+        if self._stream is None or self._stream.cuda_stream != current.cuda_stream:
+            self._stream = wp.stream_from_torch(current)
+        return self._stream
