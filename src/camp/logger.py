@@ -87,7 +87,7 @@ class RunLogger:
         write_text(self.folder / versions_name, json.dumps(collect_versions(), indent=2) + "\n")
         self._wandb = None
         if logger.wandb_mode != "disabled":
-            self._wandb = _start_wandb(identity, logger, config)
+            self._wandb = start_wandb(identity, logger, config)
             announce(_how_to_look(self.folder, logger.wandb_mode))
         self._file = metrics_path.open("a", encoding="utf-8")
 
@@ -165,7 +165,8 @@ def write_text(path: Path, text: str) -> None:
         partial.unlink(missing_ok=True)
 
 
-def _start_wandb(identity: RunIdentity, logger: LoggerConfig, config: DictConfig) -> Any:
+def start_wandb(identity: RunIdentity, logger: LoggerConfig, config: DictConfig) -> Any:
+    """Begin the folder's W&B run, or go on with it where its wandb_id.txt says which. Raises ConfigError."""
     import wandb  # takes a second to import, which a run without it need not wait for
     from wandb.errors import Error as WandbError
 

@@ -15,6 +15,7 @@ from camp.envs.measurement import measure
 from camp.envs.quadruped import STARTS_PERIOD_S, QuadrupedEnv
 from camp.motion.clips import Clip, amp_state
 from camp.robots import go2
+from camp.sim.base import Dynamics
 
 ZERO = torch.zeros(8, 12)
 
@@ -152,6 +153,20 @@ def test_randomization_covers_table_one(config, clips):
         values = getattr(dynamics.dynamics, name)
         assert values.min() >= low and values.max() <= high
         assert values.max() - values.min() > 0.8 * (high - low), name
+
+
+def test_a_reset_can_set_the_dynamics_of_every_robot(config, clips):
+    env = make(config, clips)
+    dynamics = Dynamics.nominal(8, 0.8, env.sim.device)
+    dynamics.payload_mass[3] = 3.0
+    dynamics.friction[:] = torch.linspace(0.05, 1.75, 8)
+    env.reset(seed=0, options={"stagger": False, "dynamics": dynamics})
+    assert torch.equal(env.dynamics.friction, dynamics.friction)
+    for _ in range(50):
+        env.advance(ZERO)
+    height = env.sim.state.base_position[:, 2]
+    assert height[3] < height[[0, 1, 2, 4, 5, 6, 7]].min() - 0.005  # the loaded one sags
+    assert torch.equal(env.dynamics.payload_mass, dynamics.payload_mass)  # no episode has ended
 
 
 def test_sensor_noise_is_bounded_and_spares_the_critic(config, clips):

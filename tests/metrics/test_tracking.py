@@ -13,6 +13,7 @@ from camp.metrics.tracking import (
     mean_velocity,
     velocity_error,
     velocity_error_by_command,
+    velocity_error_by_turn,
 )
 
 
@@ -41,6 +42,14 @@ def test_velocity_error_by_command_keeps_slow_and_fast_apart():
     assert list(binned) == ["below 0.4 m/s", "from 0.4 m/s"]
     assert binned["below 0.4 m/s"].linear == pytest.approx(0.15)
     assert binned["from 0.4 m/s"].linear == pytest.approx(0.6)
+
+
+def test_velocity_error_by_turn_does_not_ask_for_the_direction():
+    command = np.array([[0.5, 0.0, 0.6], [0.5, 0.0, -0.6], [0.5, 0.0, 0.1]])
+    error = VelocityError(linear=np.zeros(3), angular=np.array([0.1, 0.3, 0.5]))
+    binned = velocity_error_by_turn(command, error, (0.3,))
+    assert list(binned) == ["below 0.3 rad/s", "from 0.3 rad/s"]
+    assert binned["from 0.3 rad/s"].angular == pytest.approx(0.2)
 
 
 def test_empty_bins_are_left_out_and_inner_bins_named():

@@ -100,14 +100,16 @@ class QuadrupedEnv(VectorEnv):
         """Restart every robot.
 
         Episodes begin at random times within their length, so that they do not all end together;
-        ``options={"stagger": False}`` begins them all at 0.
+        ``options={"stagger": False}`` begins them all at 0; ``options={"dynamics": Dynamics}`` gives the N robots
+        these physical parameters in the episodes that begin now, instead of random ones.
         """
+        options = options or {}
         if seed is not None:
             self._generator.manual_seed(seed)
-        self._draw_starts()
+        self._draw_starts(options.get("dynamics"))
         self._begin(torch.ones(self.num_envs, dtype=torch.bool, device=self._device))
         self._steps_to_draw = 0
-        if options is None or options.get("stagger", True):
+        if options.get("stagger", True):
             self.step_count = torch.randint(
                 self._episode_steps, (self.num_envs,), generator=self._generator, device=self._device
             )
@@ -204,9 +206,9 @@ class QuadrupedEnv(VectorEnv):
     def _steps(self, seconds: float) -> int:
         return max(1, round(seconds / self.sim.control_period))
 
-    def _draw_starts(self) -> None:
+    def _draw_starts(self, dynamics: Dynamics | None = None) -> None:
         """The start that each robot takes if its episode ends before the next draw."""
-        starts = draw_starts(self.num_envs, self.config, self.references, self._generator)
+        starts = draw_starts(self.num_envs, self.config, self.references, self._generator, dynamics)
         measurement = measure(starts.initial.robot_state())
         self.sim.prepare(starts.dynamics)
         self._starts = starts

@@ -38,10 +38,20 @@ class Starts:
         return cls(**(state | parts))
 
 
-def draw_starts(num: int, config: EnvConfig, references: ReferenceStates, generator: torch.Generator) -> Starts:
-    """``num`` beginnings: randomized dynamics, a skill, and a frame of one of its clips or a standing start."""
+def draw_starts(
+    num: int,
+    config: EnvConfig,
+    references: ReferenceStates,
+    generator: torch.Generator,
+    dynamics: Dynamics | None = None,
+) -> Starts:
+    """``num`` beginnings: randomized dynamics, a skill, and a frame of one of its clips or a standing start.
+
+    ``dynamics``: those of the ``num`` robots, instead of random ones.
+    """
     init = config.initialization
-    dynamics = sample_dynamics(num, config.randomization, generator)
+    if dynamics is None:
+        dynamics = sample_dynamics(num, config.randomization, generator)
     skill = sample_skills(num, references.num_skills, generator)
     reference = references.sample(skill, generator)
     at_reference = uniform((0.0, 1.0), (num,), generator) < init.reference_share

@@ -60,15 +60,12 @@ def velocity_error_by_command(
     in m/s that part the bins, compared with the length of (vx, vy). Bins without a command are left out; for
     edges (0.4,) the keys are "below 0.4 m/s" and "from 0.4 m/s".
     """
-    speed = np.hypot(command[:, 0], command[:, 1])
-    index = np.digitize(speed, edges)
-    result = {}
-    for i in np.unique(index):
-        chosen = index == i
-        result[_bin_name(int(i), edges)] = VelocityError(
-            linear=error.linear[..., chosen].mean(), angular=error.angular[..., chosen].mean()
-        )
-    return result
+    return _by_bin(np.hypot(command[:, 0], command[:, 1]), error, edges, "m/s")
+
+
+def velocity_error_by_turn(command: Array, error: VelocityError, edges: tuple[float, ...]) -> dict[str, VelocityError]:
+    """As `velocity_error_by_command`, by the size of the commanded yaw rate; edges in rad/s."""
+    return _by_bin(np.abs(command[:, 2]), error, edges, "rad/s")
 
 
 def joint_tracking_accuracy(target: Array, actual: Array) -> Array:
@@ -110,9 +107,20 @@ def _accuracy(target: Array, actual: Array, scale: Array) -> Array:
     return np.maximum(1.0 - share, 0.0)
 
 
-def _bin_name(index: int, edges: tuple[float, ...]) -> str:
+def _by_bin(size: Array, error: VelocityError, edges: tuple[float, ...], unit: str) -> dict[str, VelocityError]:
+    index = np.digitize(size, edges)
+    result = {}
+    for i in np.unique(index):
+        chosen = index == i
+        result[_bin_name(int(i), edges, unit)] = VelocityError(
+            linear=error.linear[..., chosen].mean(), angular=error.angular[..., chosen].mean()
+        )
+    return result
+
+
+def _bin_name(index: int, edges: tuple[float, ...], unit: str) -> str:
     if index == 0:
-        return f"below {edges[0]:g} m/s"
+        return f"below {edges[0]:g} {unit}"
     if index == len(edges):
-        return f"from {edges[-1]:g} m/s"
-    return f"{edges[index - 1]:g} to {edges[index]:g} m/s"
+        return f"from {edges[-1]:g} {unit}"
+    return f"{edges[index - 1]:g} to {edges[index]:g} {unit}"

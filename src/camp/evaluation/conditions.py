@@ -1,0 +1,75 @@
+"""The troubles that robustness is measured under, as conf/evaluation lists them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any, Self
+
+import torch
+
+from camp import checks
+from camp.sim.base import Dynamics
+
+# Key of a condition -> field of Dynamics, filled with the value for every link, joint or axis.
+DYNAMICS_KEYS = {
+    "link_mass_scale": "link_mass_scale",
+    "payload_mass_kg": "payload_mass",
+    "payload_position_m": "payload_position",
+    "friction": "friction",
+    "motor_strength_scale": "motor_strength",
+    "kp_scale": "kp_scale",
+    "kd_scale": "kd_scale",
+}
+_SIGNED = ("payload_position_m",)
+_POSITIVE = ("link_mass_scale", "friction", "motor_strength_scale", "kp_scale", "kd_scale")
+_TROUBLES = ("noise", "push_m_s")
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A robot that differs from the nominal one, or what befalls it."""
+
+    name: str
+    values: dict[str, float]  # keys of DYNAMICS_KEYS
+    noise: float = 0.0  # times the sensor noise of the run's conf/env
+    push_m_s: float = 0.0  # sudden change of the base's horizontal velocity
+
+    @classmethod
+    def of(cls, entry: dict[str, Any]) -> Self:
+        """From an entry that `check_conditions` has let through."""
+        values = {key: float(entry[key]) for key in DYNAMICS_KEYS if key in entry}
+        return cls(str(entry["name"]), values, **{key: float(entry[key]) for key in _TROUBLES if key in entry})
+
+    def dynamics(self, num: int, friction: float) -> Dynamics:
+        """``num`` robots under this condition; ``friction`` where the condition says nothing about it."""
+        result = Dynamics.nominal(num, friction, torch.device("cpu"))
+        for key, value in self.values.items():
+            result.tensors()[DYNAMICS_KEYS[key]].fill_(value)
+        return result
+
+
+def check_conditions(key: str, entries: Sequence[Any]) -> None:
+    """Raise ConfigError for the first entry that is no condition; ``key`` is where they stand."""
+    seen: set[str] = set()
+    for entry in entries:
+        named = isinstance(entry, dict) and isinstance(entry.get("name"), str)
+        checks.require(named, key, entry, "give {name: ..., and what differs}")
+        name = entry["name"]
+        checks.require(name not in seen, key, name, "name each condition once")
+        seen.add(name)
+        for what, value in entry.items():
+            if what != "name":
+                _check_value(f"{key}[{name}].{what}", what, value)
+
+
+def _check_value(key: str, what: str, value: Any) -> None:
+    known = (*DYNAMICS_KEYS, *_TROUBLES)
+    checks.require(what in known, key, value, f"unknown; choose from {', '.join(known)}")
+    number = isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
+    checks.require(number, key, value, "give a finite number")
+    if what in _POSITIVE:
+        checks.positive(key, value)
+    elif what not in _SIGNED:
+        checks.not_negative(key, value)

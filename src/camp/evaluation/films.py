@@ -1,0 +1,38 @@
+"""Videos of what was judged."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from camp.errors import CampError
+from camp.evaluation.config import EvaluationConfig
+from camp.evaluation.judge import Judgement
+from camp.rendering import RobotRenderer, write_video
+from camp.robots import go2
+
+STEPS_PER_FRAME = 2  # 25 frames per second
+
+
+def film(judgement: Judgement, skills: Sequence[str], evaluation: EvaluationConfig, folder: Path) -> dict[str, Path]:
+    """An mp4 of each skill and of the switching sequence, by name; without OpenGL none, and a line that says so."""
+    try:
+        renderer = RobotRenderer(go2.load_model())
+    except CampError as error:
+        print(f"no videos: {error}", file=sys.stderr)
+        return {}
+    folder.mkdir(exist_ok=True)
+    films, grid, switching = {}, judgement.grid, judgement.switching
+    if grid is not None:
+        steps = round(evaluation.video_s / grid.period_s)
+        rows = {name: k * len(evaluation.commands) + evaluation.video_command for k, name in enumerate(skills)}
+        films = {name: (grid.qpos[row, :steps], grid.period_s) for name, row in rows.items()}
+    if switching is not None:
+        films["switching"] = (switching.qpos[0], switching.period_s)
+    for name, (poses, period_s) in films.items():
+        frames = map(renderer.frame, poses[::STEPS_PER_FRAME])
+        write_video(folder / f"{name}.mp4", frames, 1.0 / (STEPS_PER_FRAME * period_s))
+        print(f"wrote {folder / f'{name}.mp4'}", flush=True)
+    renderer.close()
+    return {name: folder / f"{name}.mp4" for name in films}

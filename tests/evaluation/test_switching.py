@@ -1,0 +1,84 @@
+"""Switches of made-up motion: established in time, late, or never, and how smoothly."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from camp.evaluation.arrays import switching_arrays
+from camp.evaluation.plan import orders
+from camp.evaluation.switching import find_switches, summarize_switching
+from tests.evaluation.synthetic import SKILLS, STEPS, sequences
+
+ORDERS = orders(range(4), 24)
+
+
+def summarize(recording):
+    return summarize_switching(recording, find_switches(recording, SKILLS), SKILLS, 1.0)
+
+
+def test_every_switch_of_every_order_is_found():
+    result = summarize(sequences(ORDERS))
+    assert result["sequences"] == 24 and result["switches"] == 72 and result["falls"] == 0
+    assert result["established"] == 1.0 and result["seconds_90_percent"] <= 0.5
+    assert set(result["pairs"].values()) == {1.0} and len(result["pairs"]) == 12
+    assert [part["switches"] for part in result["to_gait"].values()] == [18] * 4
+
+
+def test_the_first_order_is_that_of_the_skills():
+    assert ORDERS[0] == (0, 1, 2, 3) and len(set(ORDERS)) == 24
+    assert len(orders(range(4), 6)) == 6
+    seconds = summarize(sequences(ORDERS[:1]))["first_sequence"]["seconds_to_gait"]
+    assert list(seconds) == ["trot", "pace", "bound", "pronk"] and seconds["trot"] == 0.0
+
+
+def test_late_switches_are_not_established():
+    result = summarize(sequences(ORDERS[:4], late=60))  # 1.2 s behind
+    assert result["established"] == 0.0 and result["falls"] == 0
+
+
+def test_one_gait_throughout_is_never_a_switch_but_to_itself():
+    recording = sequences([(0, 1, 2, 3)])
+    recording.contact[:] = sequences([(0, 0, 0, 0)]).contact
+    result = summarize(recording)
+    assert result["established"] == 0.0 and result["seconds_median"] is None
+    assert result["first_sequence"]["seconds_to_gait"] == {"trot": 0.0, "pace": None, "bound": None, "pronk": None}
+
+
+def test_peaks_at_the_switch_stand_beside_those_of_steady_walking():
+    recording = sequences([(0, 1, 2, 3)])
+    recording.torque[0, 130] = 23.7  # .1 s behind the first switch, at the limit of hips and thighs
+    recording.joint_velocity[:] = 0.0
+    recording.joint_velocity[0, 252:] = 3.0  # behind the second
+    result = summarize(recording)
+    assert result["at_switch"]["peak_torque_share"] == pytest.approx((1.0 + 2 * 10 / 23.7) / 3)
+    assert result["steady"]["peak_torque_share"] == pytest.approx(10 / 23.7)
+    assert result["at_switch"]["velocity_jump_rad_s"] == pytest.approx(1.0)
+    assert result["to_gait"]["bound"]["at_switch"]["velocity_jump_rad_s"] == pytest.approx(3.0)
+    assert result["steady"]["velocity_jump_rad_s"] == 0.0
+
+
+def test_a_fall_leaves_the_later_windows_out():
+    recording = sequences([(0, 1, 2, 3)])
+    recording.steps_upright[0] = 260
+    recording.contact[0, 260:] = False
+    recording.torque[0, 260:] = 1e3
+    result = summarize(recording)
+    assert result["falls"] == 1 and result["first_sequence"]["fell"]
+    assert result["at_switch"]["peak_torque_share"] == pytest.approx(10 / 23.7)
+    assert result["joint_tracking"] == {}
+
+
+def test_a_single_gait_has_no_switches():
+    recording = sequences([(2, 2, 2, 2)])
+    result = summarize(recording)
+    assert result["switches"] == 0 and result["established"] is None
+    assert result["at_switch"]["peak_torque_share"] is None
+
+
+def test_arrays_hold_the_first_sequence_and_every_switch():
+    recording = sequences(ORDERS[:3])
+    saved = switching_arrays(recording, find_switches(recording, SKILLS))
+    assert saved["skill_switch_contact"].shape == (STEPS, 4) and saved["switches_contact"].shape == (3, STEPS, 4)
+    assert saved["switch_step"].tolist() == [125, 250, 375] * 3
+    np.testing.assert_array_equal(saved["switch_to"][:3], [1, 2, 3])
