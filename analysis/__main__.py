@@ -1,5 +1,5 @@
 """`python -m analysis [run=<folder>]`: draw a run's three figures into <folder>/figures and print their
-paths."""
+paths. Those of a shipped policy go into outputs/<its name>/figures."""
 
 from __future__ import annotations
 
@@ -15,14 +15,15 @@ from analysis.dtw import compute_distances, draw_distances
 from analysis.style import save
 from camp.build import load_run
 from camp.errors import CampError
+from camp.paths import policies_root, results_folder
 
 SEED = 0
 
 
 def draw_contacts(folder: Path) -> Path:
     """Write contacts.png from the run folder's evaluation."""
-    diagram = compute_diagram(load.switching_sequence(folder))
-    return save(draw_diagram(diagram), folder / "figures" / "contacts.png")
+    diagram = compute_diagram(load.switching_sequence(evaluation_folder(folder)))
+    return save(draw_diagram(diagram), figures_folder(folder) / "contacts.png")
 
 
 def draw_latent_space(folder: Path) -> list[Path]:
@@ -30,15 +31,28 @@ def draw_latent_space(folder: Path) -> list[Path]:
     clips = load.clip_features(load_run(folder))
     feature, gait = sample_transitions(clips, POINTS_PER_GAIT, np.random.default_rng(SEED))
     return [
-        save(draw_clusters(compute_clusters(feature, gait, SEED)), folder / "figures" / "clusters.png"),
-        save(draw_distances(compute_distances(clips)), folder / "figures" / "dtw.png"),
+        save(draw_clusters(compute_clusters(feature, gait, SEED)), figures_folder(folder) / "clusters.png"),
+        save(draw_distances(compute_distances(clips)), figures_folder(folder) / "dtw.png"),
     ]
+
+
+def figures_folder(folder: Path) -> Path:
+    """Where the run's figures go."""
+    return results_folder(folder) / "figures"
+
+
+def evaluation_folder(folder: Path) -> Path:
+    """Where the run's evaluation lies: for a shipped policy the user's own where there is one, else the shipped one."""
+    own = results_folder(folder)
+    return own if (own / load.EVALUATION_FILE).is_file() else folder
 
 
 def run_folder(arguments: list[str]) -> Path:
     """The folder of `run=<folder>`, or the newest evaluated run below outputs/ without arguments."""
     if not arguments:
-        return load.newest_run(Path("outputs"))
+        newest = load.newest_run(Path("outputs"))
+        shipped = policies_root() / newest.name
+        return shipped if shipped.is_dir() and results_folder(shipped) == newest else newest
     key, _, value = arguments[0].partition("=")
     if len(arguments) > 1 or key != "run" or not value:
         raise load.AnalysisError(f"cannot use '{' '.join(arguments)}': call `python -m analysis run=<folder>`")

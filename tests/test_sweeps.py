@@ -145,4 +145,5 @@ def test_every_command_of_the_page_is_understood(command, monkeypatch):
     register_ablations()
     with initialize_config_dir(str(config_root()), version_base="1.3"):
         config = compose("train", overrides=overrides, return_hydra_config=True)
-    assert share_of_rank(resolve(config)).sim.num_envs * ranks == config.sim.num_envs
+    whole = resolve(config)
+    assert share_of_rank(whole).sim.num_envs * ranks == whole.sim.num_envs

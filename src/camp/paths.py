@@ -31,3 +31,15 @@ def ablation_root() -> Path:
 def assets_root() -> Path:
     """Data shipped inside the package: expert motions and trained policies."""
     return _PACKAGE / "assets"
+
+
+def policies_root() -> Path:
+    """The policies shipped inside the package, one small run folder each."""
+    return assets_root() / "policies"
+
+
+def results_folder(run: Path) -> Path:
+    """Where files made from a run go: its own folder; for a shipped policy, which stays as it is, outputs/<name>/."""
+    if run.resolve().is_relative_to(policies_root().resolve()):
+        return Path("outputs") / run.resolve().name
+    return run

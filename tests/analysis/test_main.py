@@ -9,6 +9,7 @@ import pytest
 
 import analysis.__main__ as command
 from analysis.load import NoLatentSpaceError
+from camp import paths
 from tests.analysis.synthetic import clip_features, write_evaluation
 
 
@@ -45,6 +46,23 @@ def test_a_run_without_a_skill_discriminator_keeps_its_contact_diagram(folder, m
     output = capsys.readouterr()
     assert output.out.split() == [str(folder / "figures" / "contacts.png")]
     assert "left out: the run has no skill discriminator" in output.err
+
+
+def test_a_shipped_policy_stays_as_it_is(folder, tmp_path, monkeypatch, capsys):
+    policies = tmp_path / "policies"
+    shipped = write_evaluation(policies / "go2_camp")
+    monkeypatch.setattr(paths, "policies_root", lambda: policies)
+    monkeypatch.setattr(command, "policies_root", lambda: policies)
+    monkeypatch.setattr(command, "draw_latent_space", lambda folder: [])
+    monkeypatch.chdir(tmp_path)
+    assert command.evaluation_folder(shipped) == shipped
+    assert command.main([f"run={shipped}"]) == 0
+    assert capsys.readouterr().out == "outputs/go2_camp/figures/contacts.png\n"
+    assert [path.name for path in shipped.iterdir()] == ["eval.npz"]
+
+    write_evaluation(tmp_path / "outputs" / "go2_camp")  # the user's own, which counts more, and is the newest
+    assert command.evaluation_folder(shipped) == command.results_folder(shipped)
+    assert command.run_folder([]) == shipped
 
 
 @pytest.mark.parametrize("arguments", [["folder"], ["run="], ["run=a", "run=b"], ["run=/no/such/folder"], []])

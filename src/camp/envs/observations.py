@@ -73,8 +73,8 @@ def actor_entries(num_skills: int) -> tuple[Entry, ...]:
             lambda s: s.measurement.joint_velocity,
             "joint_velocity_rad_s",
         ),
-        Entry("last_action", joints, "action scale", "joint", lambda s: s.last_action),
-        Entry("skill", num_skills, "one-hot", "-", lambda s: s.skill),
+        Entry("last_action", joints, "1", "joint, in action scales", lambda s: s.last_action),
+        Entry("skill", num_skills, "1", "one-hot", lambda s: s.skill),
     )
 
 

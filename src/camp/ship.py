@@ -1,0 +1,128 @@
+"""A finished run as a policy to ship: ``python -m camp.ship run=<run folder> name=<name>``.
+
+Writes the folder src/camp/assets/policies/<name>: a small run folder with the networks, their normalizers, the
+configuration, the evaluation and the learning curve, but nothing to continue the training from. What reads run folders
+reads it too. Evaluate the run first.
+
+output=<folder>     in place of src/camp/assets/policies
+minutes=<number>    wall-clock time of the whole training command, for the policy's card
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from omegaconf import OmegaConf
+
+from camp.arguments import key_values, run_command
+from camp.build import load_run, motion_folder
+from camp.checkpoint import load_checkpoint, save_run_checkpoint
+from camp.config import Config, as_yaml, load_run_config
+from camp.errors import ConfigError
+from camp.export import METADATA_FILE, metadata
+from camp.logger import read_metrics, write_text
+from camp.paths import assets_root, policies_root
+from camp.provenance import condensed, describe, provenance, rounded
+
+EVALUATION_FILES = ("eval.json", "eval.npz")
+METRICS, IMITATION, VERSIONS, CARD = "metrics.jsonl", "imitation.jsonl", "versions.json", "README.md"
+
+
+def ship_policy(run: Path, folder: Path, minutes: float | None = None) -> Path:
+    """Write the latest policy of a run folder as the small run folder ``folder``, and return it.
+
+    minutes: wall-clock time of the whole training command, where it was measured. Raises CampError, before anything
+    is written, where ``folder`` is there already, the run is damaged, has not been evaluated at its latest checkpoint,
+    or was trained on clips that are not shipped.
+    """
+    if folder.exists():
+        raise ConfigError(f"policy {folder}: is there already; delete it first, or choose another name")
+    loaded, state = load_run(run), load_checkpoint(run)
+    _check_evaluated(run, loaded.iteration)
+    config = _portable(load_run_config(run))
+    made_by = provenance(run, loaded.iteration, config, minutes)
+    rows = read_metrics(run / METRICS)
+    partial = folder.with_name(f".{folder.name}.partial")
+    shutil.rmtree(partial, ignore_errors=True)
+    try:
+        partial.mkdir(parents=True)
+        save_run_checkpoint(partial, loaded.iteration, _networks(state), keep=1)
+        write_text(partial / "config.yaml", OmegaConf.to_yaml(as_yaml(config), resolve=True))
+        write_text(partial / METADATA_FILE, json.dumps(metadata(config), indent=2) + "\n")
+        write_text(partial / VERSIONS, json.dumps(made_by.versions, indent=2) + "\n")
+        write_text(partial / METRICS, _lines(condensed(rows)))
+        write_text(partial / CARD, describe(folder.name, made_by))
+        if (run / IMITATION).is_file():
+            epochs = [json.loads(line) for line in (run / IMITATION).read_text().splitlines()]
+            write_text(partial / IMITATION, _lines([rounded(row) for row in epochs]))
+        for name in EVALUATION_FILES:
+            shutil.copyfile(run / name, partial / name)
+        load_run(partial)
+        partial.rename(folder)
+    except OSError as error:
+        raise ConfigError(f"policy {folder}: {error.strerror or error}; choose a folder that can be written") from error
+    finally:
+        shutil.rmtree(partial, ignore_errors=True)
+    return folder
+
+
+def _check_evaluated(run: Path, iteration: int) -> None:
+    remedy = f"run `python -m camp.evaluate run={run}` first"
+    for name in EVALUATION_FILES:
+        if not (run / name).is_file():
+            raise ConfigError(f"run folder {run}: holds no {name}; {remedy}")
+    judged = json.loads((run / "eval.json").read_text()).get("iteration")
+    if judged != iteration:
+        raise ConfigError(f"run folder {run}: eval.json is of iteration {judged}, its policy of {iteration}; {remedy}")
+
+
+def _portable(config: Config) -> Config:
+    """The configuration without places of the machine that trained."""
+    shipped = assets_root() / "motions" / "go2"
+    if motion_folder(config).resolve() != shipped.resolve():
+        raise ConfigError(
+            f"motion.folder = {config.motion.folder!r}: a shipped policy is judged against the shipped clips; train "
+            "on those (motion.folder=null)"
+        )
+    config.motion.folder = config.motion.perturbed_folder = config.resume = None
+    config.output_dir = "outputs"
+    return config
+
+
+def _networks(state: dict[str, Any]) -> dict[str, Any]:
+    """Of a checkpoint what `camp.build.load_run` reads: the actor, and the skill discriminator where there is one."""
+    priors = {}
+    if "skill" in state["priors"]:
+        skill = state["priors"]["skill"]
+        priors["skill"] = skill | {"optimizer": skill["optimizer"] | {"state": {}}}  # without Adam's moments
+    return {"iteration": state["iteration"], "ppo": {"actor": state["ppo"]["actor"]}, "priors": priors}
+
+
+def _lines(rows: Sequence[dict[str, Any]]) -> str:
+    return "".join(json.dumps(row) + "\n" for row in rows)
+
+
+def ship(arguments: Sequence[str]) -> None:
+    """Carry out the command line."""
+    given = key_values(arguments, required=["run", "name"], optional=["output", "minutes"])
+    name, minutes = given["name"], given.get("minutes")
+    if not all(character.isalnum() or character in "_-" for character in name):
+        raise ConfigError(f"name = {name!r}: choose one of letters, digits, '_' and '-'")
+    try:
+        measured = None if minutes is None else float(minutes)
+    except ValueError as error:
+        raise ConfigError(f"minutes = {minutes!r}: give a number") from error
+    folder = ship_policy(Path(given["run"]), Path(given.get("output", policies_root())) / name, measured)
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    for path in files:
+        print(f"{path.stat().st_size / 1e3:8.1f} kB  {path.relative_to(folder)}")
+    print(f"wrote {folder}: {sum(path.stat().st_size for path in files) / 1e6:.2f} MB")
+
+
+if __name__ == "__main__":
+    sys.exit(run_command(ship, sys.argv[1:], __doc__))

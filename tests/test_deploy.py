@@ -1,0 +1,180 @@
+"""The bare loop walks as the environment does, and explains itself where it cannot."""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camp import deploy
+from camp.build import load_run
+from camp.evaluation.config import EvaluationConfig
+from camp.evaluation.rollout import Recording, roll_out
+from camp.export import export_policy
+from camp.metrics.gait import measure_gait
+from camp.motion.skills import performed
+from camp.paths import policies_root
+from tests.small_run import small_run
+
+pytest.importorskip("onnx", reason="comes with the export extra")
+pytest.importorskip("onnxruntime", reason="comes with the export extra")
+
+COMMANDS = [[0.6, 0.0, 0.0], [-0.2, 0.2, 0.5]]
+SHIPPED = policies_root() / "go2_camp"
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory) -> Path:
+    return small_run(tmp_path_factory.mktemp("run"))
+
+
+@pytest.fixture(scope="module")
+def policy(run) -> deploy.Policy:
+    return deploy.Policy(export_policy(run, run).model)
+
+
+def evaluated(run: Path, seconds: float) -> Recording:
+    """Every skill at every command in the evaluation's environment; the switching sequence comes last."""
+    loaded = load_run(run)
+    evaluation = EvaluationConfig(
+        run=str(run), duration_s=seconds, discard_s=0.0, commands=COMMANDS, switch_command=[0.0, 0.0, 0.0]
+    )
+    return roll_out(loaded.actor, loaded.config, evaluation, loaded.clips)
+
+
+def test_the_bare_loop_goes_where_the_environment_goes(run, policy):
+    recording, skills = evaluated(run, 1.0), policy.metadata["skills"]
+    moved = 0.0
+    for row, (skill, command) in enumerate((skill, command) for skill in skills for command in COMMANDS):
+        done = deploy.walk(policy, skill, command, 1.0)
+        steps = int(recording.steps_upright[row])
+        assert done.fell == bool(recording.fallen[row]) and len(done.qpos) == steps + done.fell
+        assert steps > 25  # half a second, lest nothing be compared
+        np.testing.assert_allclose(done.qpos[:steps], recording.qpos[row, :steps], atol=1e-4)
+        np.testing.assert_allclose(done.joint_target[:steps], recording.joint_target[row, :steps], atol=1e-4)
+        np.testing.assert_allclose(done.velocity[:steps], recording.velocity[row, :steps], atol=1e-3)
+        assert (done.contact[:steps] == recording.contact[row, :steps]).mean() > 0.99
+        moved = max(moved, float(np.ptp(done.qpos[:steps, 7:], axis=0).max()))
+    assert moved > 0.1  # rad: not a robot that stands still
+
+
+def test_observation_is_in_the_order_that_the_metadata_name(policy):
+    robot = deploy.Robot(policy.metadata)
+    rotation = np.array([np.cos(0.1), 0.0, np.sin(0.1), 0.0])  # nose down by .2 rad
+    robot.data.qpos[3:7] = rotation
+    robot.data.qvel[3:6] = [0.1, 0.2, 0.3]
+    robot.data.qpos[7:] = np.arange(12)
+    robot.data.qvel[6:] = np.arange(12, 24)
+    last_action, command = np.full(12, 0.5, np.float32), np.array([0.6, -0.1, 0.2], np.float32)
+    found = deploy.observe(policy, robot, command, policy.one_hot("bound"), last_action)
+    assert found.dtype == np.float32
+    expected = [
+        *(0.1, 0.2, 0.3),
+        *(np.sin(0.2), 0.0, -np.cos(0.2)),
+        *command,
+        *(np.arange(12) - [0.0, 0.9, -1.8] * 4),
+        *np.arange(12, 24),
+        *last_action,
+        *(0, 0, 1, 0),
+    ]
+    np.testing.assert_allclose(found, expected, atol=1e-6)
+
+
+def test_joints_and_gains_are_taken_by_name(policy):
+    names = policy.metadata["joint_names"][::-1]
+    robot = deploy.Robot(
+        policy.metadata
+        | {"joint_names": names, "default_pose": [-1.8, 0.9, 0.0] * 4, "kp": list(range(1, 13)), "kd": [0.5] * 12}
+    )
+    assert robot.joint_position[names.index("RR_calf_joint")] == pytest.approx(-1.8)
+    hip = robot.model.actuator("FL_hip_joint").id
+    assert robot.model.actuator_gainprm[hip, 0] == 12.0
+    assert robot.model.actuator_biasprm[hip, :3].tolist() == [0.0, -12.0, -0.5]
+    assert robot.data.ctrl[hip] == 0.0 and robot.data.ctrl[robot.model.actuator("FL_calf_joint").id] == -1.8
+
+
+def test_the_robot_starts_on_its_feet(policy):
+    robot = deploy.Robot(policy.metadata)
+    feet = [robot.data.geom(f"{leg}_foot").xpos[2] for leg in deploy.FEET]
+    assert min(feet) == pytest.approx(0.022)
+    assert robot.gravity.tolist() == [0.0, 0.0, -1.0] and not robot.fallen
+    robot.hold(np.array([0.0, 0.9, -1.8] * 4, np.float32))
+    assert robot.data.time == pytest.approx(0.02)
+
+
+def test_a_robot_on_its_side_has_fallen(policy):
+    robot = deploy.Robot(policy.metadata)
+    robot.data.qpos[3:7] = [np.cos(0.45), np.sin(0.45), 0.0, 0.0]  # .9 rad of roll
+    assert robot.fallen
+
+
+def test_a_policy_without_skill_input_is_given_zeros(tmp_path):
+    run = small_run(tmp_path / "run", ["env.observe_skill=false"])
+    blind = deploy.Policy(export_policy(run, run).model)
+    assert blind.one_hot("pace").tolist() == [0.0] * 4
+    recording = evaluated(run, 0.3)
+    done = deploy.walk(blind, "pace", COMMANDS[0], 0.3)
+    np.testing.assert_allclose(done.qpos, recording.qpos[len(COMMANDS)], atol=1e-4)
+
+
+def test_the_loop_needs_little_of_camp():
+    tree = ast.parse(Path(deploy.__file__).read_text())
+    modules = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module}
+    assert {name for name in modules if name.startswith("camp")} == {
+        "camp.errors",
+        "camp.metrics.gait",
+        "camp.robots.go2",
+    }
+
+
+def test_the_command_as_it_is_typed(policy, run):
+    arguments = [str(run / "policy.onnx"), "--skill", "trot", "--command", "0.6", "0", "0", "--seconds", "4"]
+    command = [sys.executable, "-m", "camp.deploy", *arguments]
+    done = subprocess.run(command, env=os.environ | {"OMP_NUM_THREADS": "1"}, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    asked, shown = done.stdout.splitlines()
+    assert asked == "asked:     trot at 0.60 0.00 m/s 0.00 rad/s" and shown.startswith("performed: ")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["{run}/policy.onnx", "--skill", "walk"], "skill 'walk': unknown to this policy; choose one of trot, pace"),
+        (["{run}/none.onnx", "--skill", "trot"], "none.onnx: not found; write it with `python -m camp.export"),
+        (["{run}/config.yaml", "--skill", "trot"], "config.yaml: not a readable ONNX file; export it again"),
+        (["{run}/policy.onnx", "--skill", "trot", "--seconds", "1"], "--seconds 1: choose 4 or more"),
+    ],
+)
+def test_input_that_cannot_be_used_is_one_line(policy, run, capfd, arguments, message):
+    assert deploy.main([argument.format(run=run) for argument in arguments]) == 2
+    captured = capfd.readouterr()
+    assert captured.err.startswith("error: ") and message in captured.err and captured.err.count("\n") == 1
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not SHIPPED.is_dir(), reason="no policy is shipped at src/camp/assets/policies/go2_camp yet")
+def test_the_shipped_policy_performs_its_gaits_in_the_bare_loop(tmp_path):
+    loaded = load_run(SHIPPED)
+    report = json.loads((SHIPPED / "eval.json").read_text())
+    policy, period = deploy.Policy(export_policy(SHIPPED, tmp_path).model), loaded.config.env.control_period_s
+    with np.load(SHIPPED / "eval.npz", allow_pickle=False) as arrays:
+        commands = arrays["commands"].tolist()
+    first, skills = round(report["discard_s"] / period), loaded.config.motion.skill_set()
+    right = []
+    for skill in loaded.skills:
+        labels = []
+        for command in commands:
+            done = deploy.walk(policy, skill, command, report["duration_s"])
+            gait = measure_gait(done.contact[None, first:], period)
+            labels.append("fell" if done.fell else performed(gait.label, gait.frequency_hz, skills)[0])
+        expected = report["policies"]["trained"]["confusion"][skill]
+        moved = sum(abs(labels.count(label) - count) for label, count in expected.items()) / 2
+        assert moved <= 1, (skill, labels, expected)  # a label on the edge may flip
+        right.append(labels.count(skill) / len(labels))
+    assert abs(np.mean(right) - report["policies"]["trained"]["all"]["gait_accuracy"]) <= 0.02

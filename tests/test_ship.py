@@ -1,0 +1,193 @@
+"""A shipped policy is a small run folder: complete to look at, free of the machine that made it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from camp import paths
+from camp.arguments import run_command
+from camp.build import Run, load_run
+from camp.checkpoint import load_checkpoint
+from camp.errors import CampError, ConfigError
+from camp.logger import read_metrics
+from camp.paths import policies_root, results_folder
+from camp.provenance import condensed
+from camp.ship import ship, ship_policy
+from tests.small_run import small_run
+
+ARGUMENTS = ["/somewhere/train.py", "run=smoke", "seed=3", "output_dir=/somewhere/runs", "logger.wandb_mode=disabled"]
+TROT = "motion.skills=[trot]"  # a quarter of the clips to load
+SHIPPED = sorted(policies_root().glob("*/config.yaml"))
+
+
+def finish(run: Path, iterations: int = 7) -> Path:
+    """Add what training and evaluation leave beside the checkpoints."""
+    versions = {
+        "camp": "0.1.0",
+        "git": {"commit": "abc123", "dirty": False},
+        "python": "3.11.7",
+        "packages": {"torch": "2.13.0", "mujoco": "4.0.0", "something": "1.0"},
+        "platform": "Linux-on-somebody's-machine",
+        "cpu_count": 2,
+        "command": ARGUMENTS,
+        "started": "2026-01-01T00:00:00+00:00",
+    }
+    (run / "versions.json").write_text(json.dumps(versions))
+    times = {f"time/{part}_s": 0.3 for part in ("collect", "score", "policy_update", "prior_update")}
+    rows = [
+        {"iteration": i, "reward/task/raw": i / 3, "steps": 96.0 * i, "time/steps_per_s": 80.0} | times
+        for i in range(1, iterations + 1)
+    ]
+    (run / "metrics.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
+    (run / "imitation.jsonl").write_text("")
+    (run / "eval.json").write_text(json.dumps({"run": run.name, "iteration": 7}))
+    np.savez(run / "eval.npz", period=np.array(0.02))
+    return run
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("run")
+    places = ["output_dir=/somewhere/runs", "motion.perturbed_folder=/somewhere"]
+    return finish(small_run(folder, ["seed=3", TROT, *places]))
+
+
+@pytest.fixture(scope="module")
+def shipped(run, tmp_path_factory) -> Path:
+    return ship_policy(run, tmp_path_factory.mktemp("policies") / "small", minutes=12.5)
+
+
+@pytest.fixture(scope="module")
+def loaded(shipped) -> Run:
+    return load_run(shipped)
+
+
+def test_the_shipped_policy_answers_as_the_run_does(run, loaded):
+    original, observation = load_run(run), torch.randn(50, 46, generator=torch.Generator().manual_seed(0))
+    with torch.no_grad():
+        assert torch.equal(loaded.actor(observation), original.actor(observation))
+    assert (loaded.iteration, loaded.skills) == (7, original.skills)
+    assert loaded.skill_prior is not None and original.skill_prior is not None
+    found, expected = loaded.skill_prior.state_dict(), original.skill_prior.state_dict()
+    for part in ("network", "embedding", "normalizer"):
+        assert all(torch.equal(found[part][name], value) for name, value in expected[part].items())
+
+
+def test_only_what_is_needed_is_shipped(run, shipped):
+    state = load_checkpoint(shipped)
+    assert set(state) == {"iteration", "ppo", "priors"}
+    assert set(state["ppo"]) == {"actor"} and set(state["priors"]) == {"skill"}
+    assert state["priors"]["skill"]["optimizer"]["state"] == {}
+    assert {path.name for path in shipped.iterdir()} == {
+        *("README.md", "checkpoints", "config.yaml", "eval.json", "eval.npz", "imitation.jsonl"),
+        *("metrics.jsonl", "policy.json", "versions.json"),
+    }
+    assert (shipped / "eval.json").read_bytes() == (run / "eval.json").read_bytes()
+
+
+def test_an_ablation_without_skill_discriminator_is_shipped_without(tmp_path):
+    run = finish(small_run(tmp_path / "run", ["algo.skill.enabled=false", TROT]))
+    assert load_run(ship_policy(run, tmp_path / "shipped")).skill_prior is None
+
+
+def test_nothing_tells_where_it_was_trained(shipped, loaded):
+    for path in shipped.rglob("*"):
+        if path.is_file():
+            content = path.read_bytes()
+            assert b"somewhere" not in content and b"somebody" not in content, path.name
+    assert loaded.config.output_dir == "outputs" and loaded.config.motion.perturbed_folder is None
+
+
+def test_the_card_tells_how_it_was_made(shipped):
+    card = (shipped / "README.md").read_text()
+    for fact in (
+        "| command | `python -m camp.train run=smoke seed=3` |",
+        "| seed | 3 |",
+        "commit abc123 |",
+        "| iterations | 7 |",
+        "| environment steps | 672 |",  # 7 x 96
+        "| wall-clock time | 12.5 min, everything included; 0.1 min in these iterations |",  # 7 x 4 x .3 s
+        "torch 2.13.0, mujoco 4.0.0 |",
+        "7 rows, one for each iteration |",
+    ):
+        assert fact in card
+
+
+def test_a_resumed_run_says_so(run, tmp_path):
+    copy = tmp_path / "run"
+    shutil.copytree(run, copy)
+    shutil.copy(copy / "versions.json", copy / "versions-00000004.json")
+    assert "| iterations | 7, resumed at 4 |" in (ship_policy(copy, tmp_path / "shipped") / "README.md").read_text()
+
+
+def test_a_long_learning_curve_becomes_means_of_blocks():
+    rows = [{"iteration": i, "a": float(i), "steps": 1234567.0 * i} for i in range(1, 402)]
+    rows[3]["b"] = 0.123456789
+    curve = condensed(rows)
+    assert len(curve) == 134  # 401 / 3, rounded up
+    assert curve[0] == {"iteration": 3, "a": 2.0, "steps": 3703701.0}
+    assert curve[1] == {"iteration": 6, "a": 5.0, "steps": 7407402.0, "b": 0.1235}
+    assert curve[-1] == {"iteration": 401, "a": 400.5, "steps": 495061367.0}
+    assert condensed([{"iteration": 1, "a": None}]) == [{"iteration": 1, "a": None}]
+
+
+def test_the_shipped_curve_is_one_that_can_be_read(shipped):
+    rows = read_metrics(shipped / "metrics.jsonl")
+    assert [row["iteration"] for row in rows] == [1, 2, 3, 4, 5, 6, 7]
+    assert rows[1]["reward/task/raw"] == 0.6667
+
+
+def test_what_cannot_be_shipped_is_told_before_anything_is_written(run, tmp_path):
+    unjudged, stale, foreign = (tmp_path / name for name in ("unjudged", "stale", "foreign"))
+    for copy in (unjudged, stale, foreign):
+        shutil.copytree(run, copy)
+    (unjudged / "eval.json").unlink()
+    (stale / "eval.json").write_text('{"iteration": 6}')
+    config = (foreign / "config.yaml").read_text()
+    shutil.copytree(paths.assets_root() / "motions" / "go2", tmp_path / "clips")
+    (foreign / "config.yaml").write_text(config.replace("  folder: null", f"  folder: {tmp_path / 'clips'}"))
+    target = tmp_path / "target"
+    for folder, message in [
+        (tmp_path / "none", "holds no config.yaml"),
+        (unjudged, r"holds no eval.json; run `python -m camp.evaluate run=.*unjudged` first"),
+        (stale, "eval.json is of iteration 6, its policy of 7"),
+        (foreign, "motion.folder = .*clips': a shipped policy is judged against the shipped clips"),
+    ]:
+        with pytest.raises(CampError, match=message):
+            ship_policy(folder, target)
+    target.mkdir()
+    with pytest.raises(ConfigError, match="is there already; delete it first"):
+        ship_policy(run, target)
+    assert list(target.iterdir()) == [] and not list(tmp_path.glob(".*"))
+
+
+def test_the_command(run, tmp_path, capsys):
+    assert run_command(ship, [f"run={run}", "name=mine", f"output={tmp_path}"], "usage") == 0
+    assert "checkpoints/checkpoint_00000007.pt" in capsys.readouterr().out
+    assert load_run(tmp_path / "mine").iteration == 7
+    assert run_command(ship, [f"run={run}", "name=../up", f"output={tmp_path}"], "usage") == 2
+    assert "name = '../up': choose one of letters" in capsys.readouterr().err
+    assert run_command(ship, [f"run={run}", "name=new", "minutes=long"], "usage") == 2
+    assert capsys.readouterr().err == "error: minutes = 'long': give a number\n"
+
+
+def test_results_of_a_shipped_policy_go_elsewhere(tmp_path, monkeypatch):
+    monkeypatch.setattr(paths, "_PACKAGE", tmp_path / "camp")
+    policy = tmp_path / "camp" / "assets" / "policies" / "go2_camp"
+    assert results_folder(policy) == Path("outputs/go2_camp")
+    assert results_folder(tmp_path / "outputs" / "latest") == tmp_path / "outputs" / "latest"
+    policy.mkdir(parents=True)
+    monkeypatch.chdir(policy.parent)
+    assert results_folder(Path("go2_camp")) == Path("outputs/go2_camp")
+
+
+@pytest.mark.parametrize("config", SHIPPED, ids=lambda path: path.parent.name)
+def test_every_policy_in_the_package_can_be_loaded(config):
+    shipped = load_run(config.parent)
+    assert json.loads((config.parent / "eval.json").read_text())["iteration"] == shipped.iteration
