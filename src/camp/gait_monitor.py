@@ -8,6 +8,7 @@ from typing import Any
 import torch
 
 from camp.algo.averages import Averages
+from camp.checkpoint import copied
 from camp.data import Step
 from camp.metrics.gait import measure_gait
 from camp.motion.skills import Skill, performed
@@ -66,5 +67,5 @@ class GaitMonitor:
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
         self._contact.copy_(state["contact"])
-        self._skill, self._steady = state["skill"].clone(), state["steady"].clone()
+        self._skill, self._steady = (copied(state[name], self._contact.device) for name in ("skill", "steady"))
         self._next = state["next"]
