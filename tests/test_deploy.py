@@ -14,7 +14,7 @@ import pytest
 
 from camp import deploy
 from camp.build import load_run
-from camp.evaluation.config import EvaluationConfig
+from camp.evaluation.plan import grid_plan
 from camp.evaluation.rollout import Recording, roll_out
 from camp.export import export_policy
 from camp.metrics.gait import measure_gait
@@ -40,12 +40,12 @@ def policy(run) -> deploy.Policy:
 
 
 def evaluated(run: Path, seconds: float) -> Recording:
-    """Every skill at every command in the evaluation's environment; the switching sequence comes last."""
+    """Every skill at every command in the evaluation's environment."""
     loaded = load_run(run)
-    evaluation = EvaluationConfig(
-        run=str(run), duration_s=seconds, discard_s=0.0, commands=COMMANDS, switch_command=[0.0, 0.0, 0.0]
-    )
-    return roll_out(loaded.actor, loaded.config, evaluation, loaded.clips)
+    env = loaded.config.env
+    steps, friction = round(seconds / env.control_period_s), env.randomization.nominal_friction
+    plan = grid_plan(len(loaded.skills), COMMANDS, steps, friction)
+    return roll_out(loaded.actor, loaded.config, plan, loaded.clips, seed=0)
 
 
 def test_the_bare_loop_goes_where_the_environment_goes(run, policy):

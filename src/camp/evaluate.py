@@ -20,6 +20,7 @@ from camp.evaluation.record import log_evaluation
 from camp.evaluation.rollout import Policy
 from camp.evaluation.tables import printed
 from camp.logger import write_text
+from camp.paths import results_folder
 from camp.robots import go2
 from camp.seeding import generator
 
@@ -29,8 +30,9 @@ TABLE_WIDTH = 140  # characters, where the output is not a terminal
 def evaluate(composed: DictConfig) -> Path:
     """Judge the run's policy, beside two that do not walk; print tables, write eval.json, eval.npz and videos."""
     evaluation = resolve_evaluation(composed)
-    folder = Path(evaluation.run)
-    run = load_run(folder)
+    run = load_run(Path(evaluation.run))
+    folder = results_folder(Path(evaluation.run))
+    folder.mkdir(parents=True, exist_ok=True)
     baselines = _baselines(run) if evaluation.baselines else {}
     judgement = Judge(run.config, evaluation, run.clips).judge(run.actor, baselines)
     report = _heading(run, folder, evaluation) | judgement.report
