@@ -156,10 +156,12 @@ def test_randomization_covers_table_one(config, clips):
 
 
 def test_a_reset_can_set_the_dynamics_of_every_robot(config, clips):
+    config.env.initialization.reference_share = 0.0
+    config.env.initialization.joint_position_scale = [1.0, 1.0]
     env = make(config, clips)
     dynamics = Dynamics.nominal(8, 0.8, env.sim.device)
     dynamics.payload_mass[3] = 3.0
-    dynamics.friction[:] = torch.linspace(0.05, 1.75, 8)
+    dynamics.friction[:] = torch.linspace(0.4, 1.75, 8)
     env.reset(seed=0, options={"stagger": False, "dynamics": dynamics})
     assert torch.equal(env.dynamics.friction, dynamics.friction)
     for _ in range(50):
