@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.table import Table
 from torch import Tensor
 
+from camp.algo.losses import mix_rewards
 from camp.build import motion_folder
 from camp.compose import compose_config
 from camp.envs.config import RewardConfig
@@ -22,8 +23,7 @@ TIME_CONSTANTS = (0.0, 0.5, 1.0)  # s, of the velocity's average
 
 def weighted_reward(command: Tensor, velocity: Tensor, config: RewardConfig) -> Tensor:
     """(T,) Table II's task reward for velocities (T, 3): vx, vy in m/s and yaw rate in rad/s."""
-    terms, weights = task_rewards(command, velocity, config), config.weights()
-    return torch.stack([weights[name] * term for name, term in terms.items()]).sum(dim=0)
+    return mix_rewards(task_rewards(command, velocity, config), config.weights())
 
 
 def reward_of(clip: Clip, config: RewardConfig, time_constant: float) -> float:

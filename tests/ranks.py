@@ -20,7 +20,7 @@ def in_ranks(work: Callable[[], Any], folder: Path, number: int = 2) -> list[Any
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     mp.spawn(_work, args=(work, folder, number, port), nprocs=number)  # type: ignore[attr-defined]
-    return [torch.load(folder / f"{rank}.pt", weights_only=False) for rank in range(number)]
+    return [torch.load(folder / f"{rank}.pt", weights_only=True) for rank in range(number)]
 
 
 def _work(rank: int, work: Callable[[], Any], folder: Path, number: int, port: int) -> None:

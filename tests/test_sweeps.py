@@ -27,17 +27,16 @@ from tests.test_train import QUIET, TINY, environment, error_line, metrics_of, r
 SWEEP = ["-m", "seed=0,1", "run=smoke", "run.iterations=2", *TINY]
 
 
+def train_in(folder, arguments) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "camp.train", *arguments]
+    return subprocess.run(command, cwd=folder, env=environment(), capture_output=True, text=True)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("launcher", ["parallel", "submitit_local"])
 def test_a_sweep_in_other_processes_trains_all_jobs(launcher, tmp_path):
     arguments = [f"hydra/launcher={launcher}", "+ablation=no_skill_disc", *SWEEP, QUIET]
-    done = subprocess.run(
-        [sys.executable, "-m", "camp.train", *arguments],
-        cwd=tmp_path,
-        env=environment(),
-        capture_output=True,
-        text=True,
-    )
+    done = train_in(tmp_path, arguments)
     assert done.returncode == 0, done.stderr
     runs = runs_in(tmp_path)
     assert {run.name.split("-", 2)[2] for run in runs} == {"no_skill_disc-seed0", "no_skill_disc-seed1"}
@@ -48,13 +47,7 @@ def test_a_sweep_in_other_processes_trains_all_jobs(launcher, tmp_path):
 @pytest.mark.slow
 def test_a_job_that_fails_elsewhere_is_told_and_the_others_go_on(tmp_path):
     arguments = ["hydra/launcher=parallel", *SWEEP, QUIET, "sim.num_envs=8,0"]
-    done = subprocess.run(
-        [sys.executable, "-m", "camp.train", *arguments],
-        cwd=tmp_path,
-        env=environment(),
-        capture_output=True,
-        text=True,
-    )
+    done = train_in(tmp_path, arguments)
     assert done.returncode == 2
     assert "error: job 1: sim.num_envs = 0" in done.stderr and "Traceback" not in done.stderr
     assert len(runs_in(tmp_path)) == 2

@@ -29,6 +29,22 @@ class RobotState:
     foot_force: Tensor  # (N, 4, 3) N, ground on foot, world frame
     body_force: Tensor  # (N, 5, 3) N, ground on base and the four thighs, world frame
 
+    @classmethod
+    def from_model(cls, qpos: Tensor, qvel: Tensor, sensordata: Tensor) -> Self:
+        """Views of what the model holds: (N, 19) positions, (N, 18) velocities, (N, 27) contact sensors."""
+        # The sensors give the force of the first geom on the second; the reaction acts on the robot.
+        force = -sensordata.unflatten(1, (-1, 3))
+        return cls(
+            base_position=qpos[:, 0:3],
+            base_quaternion=qpos[:, 3:7],
+            base_linear_velocity=qvel[:, 0:3],
+            base_angular_velocity=qvel[:, 3:6],
+            joint_position=qpos[:, 7:],
+            joint_velocity=qvel[:, 6:],
+            foot_force=force[:, : go2.NUM_LEGS],
+            body_force=force[:, go2.NUM_LEGS :],
+        )
+
     def qpos(self) -> Tensor:
         """(N, 19) MuJoCo's generalized position: base position, base quaternion, joint positions."""
         return torch.cat([self.base_position, self.base_quaternion, self.joint_position], dim=1)

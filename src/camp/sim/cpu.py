@@ -59,18 +59,7 @@ class CpuSimulator:
     def state(self) -> RobotState:
         qpos = torch.from_numpy(self._rows["qpos"].astype(np.float32))
         qvel = torch.from_numpy(self._rows["qvel"].astype(np.float32))
-        # The sensors give the force of the first geom on the second; the reaction acts on the robot.
-        force = -torch.from_numpy(self._forces.copy()).unflatten(1, (-1, 3))
-        return RobotState(
-            base_position=qpos[:, 0:3],
-            base_quaternion=qpos[:, 3:7],
-            base_linear_velocity=qvel[:, 0:3],
-            base_angular_velocity=qvel[:, 3:6],
-            joint_position=qpos[:, 7:],
-            joint_velocity=qvel[:, 6:],
-            foot_force=force[:, : go2.NUM_LEGS],
-            body_force=force[:, go2.NUM_LEGS :],
-        )
+        return RobotState.from_model(qpos, qvel, torch.from_numpy(self._forces.copy()))
 
     def step(self, joint_target: Tensor) -> None:
         self._rows["ctrl"][:] = joint_target.numpy(force=True)

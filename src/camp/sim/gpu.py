@@ -89,19 +89,7 @@ class GpuSimulator:
 
     @property
     def state(self) -> RobotState:
-        qpos, qvel = self._qpos.clone(), self._qvel.clone()
-        # The sensors give the force of the first geom on the second; the reaction acts on the robot.
-        force = -self._sensordata.unflatten(1, (-1, 3))
-        return RobotState(
-            base_position=qpos[:, 0:3],
-            base_quaternion=qpos[:, 3:7],
-            base_linear_velocity=qvel[:, 0:3],
-            base_angular_velocity=qvel[:, 3:6],
-            joint_position=qpos[:, 7:],
-            joint_velocity=qvel[:, 6:],
-            foot_force=force[:, : go2.NUM_LEGS],
-            body_force=force[:, go2.NUM_LEGS :],
-        )
+        return RobotState.from_model(self._qpos.clone(), self._qvel.clone(), self._sensordata)
 
     def step(self, joint_target: Tensor) -> None:
         self._ctrl.copy_(joint_target)
