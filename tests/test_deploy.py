@@ -101,7 +101,7 @@ def test_joints_and_gains_are_taken_by_name(policy):
 
 def test_the_robot_starts_on_its_feet(policy):
     robot = deploy.Robot(policy.metadata)
-    feet = [robot.data.geom(f"{leg}_foot").xpos[2] for leg in deploy.FEET]
+    feet = [robot.data.geom(f"{leg}_foot").xpos[2] for leg in deploy.FOOT_NAMES]
     assert min(feet) == pytest.approx(0.022)
     assert robot.gravity.tolist() == [0.0, 0.0, -1.0] and not robot.fallen
     robot.hold(np.array([0.0, 0.9, -1.8] * 4, np.float32))

@@ -111,6 +111,8 @@ def copied(state: Any, device: torch.device | str) -> Any:
         return state.to(device, copy=True)
     if isinstance(state, Mapping):
         return {key: copied(value, device) for key, value in state.items()}
+    if isinstance(state, (list, tuple)):
+        return type(state)(copied(value, device) for value in state)
     return state
 
 

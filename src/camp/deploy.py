@@ -22,12 +22,10 @@ from numpy.typing import NDArray
 
 from camp.errors import CampError
 from camp.metrics.gait import measure_gait
-from camp.robots.go2 import MODEL_PATH
+from camp.robots.go2 import CONTACT_FORCE, FOOT_NAMES, MODEL_PATH
 
 Array = NDArray[np.float32]
 
-FEET = ("FL", "FR", "RL", "RR")  # the order of the measured contacts
-CONTACT_FORCE = 1.0  # N, least ground reaction that counts as contact
 FALL_TILT = 0.8  # rad, between the trunk's and the world's vertical
 SETTLING_S = 2.0  # left out of what is measured
 
@@ -91,7 +89,7 @@ class Robot:
         self.data.qpos[self._position] = pose
         self.data.ctrl[self._actuator] = pose
         mujoco.mj_kinematics(self.model, self.data)
-        feet = [self.model.geom(f"{leg}_foot").id for leg in FEET]
+        feet = [self.model.geom(f"{leg}_foot").id for leg in FOOT_NAMES]
         self.data.qpos[2] -= (self.data.geom_xpos[feet, 2] - self.model.geom_size[feet, 0]).min()
         mujoco.mj_forward(self.model, self.data)
 
@@ -136,7 +134,7 @@ class Robot:
     @property
     def fallen(self) -> bool:
         """The base or a thigh on the ground, or the trunk tilted too far."""
-        parts = ("base", *(f"{leg}_thigh" for leg in FEET))
+        parts = ("base", *(f"{leg}_thigh" for leg in FOOT_NAMES))
         return any(map(self.touches, parts)) or bool(np.arccos(np.clip(-self.gravity[2], -1, 1)) > FALL_TILT)
 
 
@@ -179,7 +177,7 @@ def walk(policy: Policy, skill: str, command: Sequence[float], seconds: float) -
         target = policy.joint_target(observe(policy, robot, wanted, one_hot, last_action))
         robot.hold(target)
         last_action = (target - pose) / scale
-        rows.append((robot.data.qpos.copy(), target, robot.velocity, [robot.touches(foot) for foot in FEET]))
+        rows.append((robot.data.qpos.copy(), target, robot.velocity, [robot.touches(foot) for foot in FOOT_NAMES]))
         if robot.fallen:
             break
     return Walk(*map(np.array, zip(*rows, strict=True)), fell=robot.fallen)

@@ -17,6 +17,7 @@ import torch
 import torch.distributed as dist
 from torch import Tensor, nn
 
+from camp.checkpoint import copied
 from camp.errors import ConfigError, RankError
 
 # Others wait while the first rank makes perturbed clips and imitates; a rank that dies is noticed at once.
@@ -176,18 +177,8 @@ def gather(state: Any) -> list[Any]:
         return [state]
     gathered: list[Any] | None = [None] * size() if is_first() else None
     with _lost_others():
-        dist.gather_object(_on_cpu(state), gathered, dst=0)
+        dist.gather_object(copied(state, "cpu"), gathered, dst=0)
     return gathered or []
-
-
-def _on_cpu(state: Any) -> Any:
-    if isinstance(state, Tensor):
-        return state.cpu()
-    if isinstance(state, dict):
-        return {key: _on_cpu(value) for key, value in state.items()}
-    if isinstance(state, (list, tuple)):
-        return type(state)(_on_cpu(value) for value in state)
-    return state
 
 
 def _environment(name: str, default: int) -> int:

@@ -8,6 +8,7 @@ import torch
 from torch import Tensor
 
 from camp.constants import constant
+from camp.robots.go2 import CONTACT_FORCE
 from camp.robots.kinematics import foot_position
 from camp.sim.base import RobotState
 
@@ -21,7 +22,6 @@ AMP_ENTRIES = (
     ("foot_position", 12, "m", "base"),
 )
 AMP_STATE_SIZE = sum(size for _, size, _, _ in AMP_ENTRIES)
-CONTACT_FORCE = 1.0  # N, least ground reaction that counts as contact
 
 
 def rotate(quaternion: Tensor, vector: Tensor) -> Tensor:

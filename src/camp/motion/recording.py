@@ -10,9 +10,7 @@ import numpy as np
 
 from camp.motion.clips import Clip
 from camp.motion.requests import ClipRequest
-from camp.robots.go2 import FOOT_NAMES
-
-CONTACT_FORCE = 1.0  # N, least ground reaction that counts as contact
+from camp.robots.go2 import CONTACT_FORCE, FOOT_NAMES
 
 
 @dataclass(frozen=True)
