@@ -17,10 +17,12 @@ from camp.gait_monitor import GaitMonitor
 from camp.logger import RunIdentity, RunLogger
 from camp.progress import Progress
 from camp.runner import Runner
+from camp.warm_start import keep_imitating
 
 
 def run_for(config: Config, folder: Path, checkpoint: dict | None = None, stop_after: int | None = None) -> Runner:
     training = build_training(config)
+    keep_imitating(training, config)
     runner = Runner(training, config, folder)
     if checkpoint is None:
         runner.start()
@@ -52,7 +54,11 @@ def busy(config: Config) -> Config:
     return config
 
 
-def test_resumed_run_equals_an_uninterrupted_one(busy, tmp_path):
+@pytest.mark.parametrize("imitating", [False, True])
+def test_resumed_run_equals_an_uninterrupted_one(imitating, busy, tmp_path):
+    if imitating:
+        busy.motion.perturbed_folder, busy.motion.perturbed_clips = str(tmp_path / "clips"), 1
+        busy.algo.imitation.epochs, busy.algo.imitation.ppo_weight = 1, 5.0
     straight, broken = tmp_path / "straight", tmp_path / "broken"
     for folder in (straight, broken):
         folder.mkdir()
@@ -60,6 +66,7 @@ def test_resumed_run_equals_an_uninterrupted_one(busy, tmp_path):
     run_for(busy, broken, stop_after=3)
     run_for(busy, broken, load_checkpoint(broken))
     assert metrics_of(straight) == metrics_of(broken)
+    assert (metrics_of(straight)[-1]["ppo/auxiliary_loss"] > 0.0) == imitating
     one, other = load_checkpoint(straight), load_checkpoint(broken)
     assert one["iteration"] == other["iteration"] == 6
     for name, weights in one["ppo"]["actor"].items():

@@ -26,7 +26,7 @@ from camp.runner import Runner
 from camp.seeding import seed_everything
 from camp.sim.choice import AUTO, why_no_gpu
 from camp.threads import set_threads
-from camp.warm_start import warm_start
+from camp.warm_start import keep_imitating, warm_start
 
 
 def train(composed: DictConfig) -> Path:
@@ -46,6 +46,7 @@ def train(composed: DictConfig) -> Path:
 def _train(config: Config) -> Path:
     with _training(config) as training:
         imitation, folder = distributed.on_first(lambda: _begin(training, config))
+        keep_imitating(training, config)
         runner = Runner(training, config, folder)
         runner.start()
         with _logger(runner) as logger:
@@ -83,6 +84,7 @@ def resume(folder: Path, overrides: Sequence[str]) -> Path:
         )
         return folder
     with _training(config) as training:
+        keep_imitating(training, config)
         runner = Runner(training, config, folder)
         _restore(runner, checkpoint)
         with _logger(runner, resume_from=runner.iteration) as logger:

@@ -1,4 +1,4 @@
-"""Before CAMP begins: imitation of the expert on clips that show it recovering."""
+"""Imitation of the expert on clips that show it recovering: before CAMP begins, and beside it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 from rich.progress import Progress, track
 
 from camp import motion
-from camp.algo.imitation import imitate
+from camp.algo.imitation import ImitationLoss, imitate
 from camp.build import Training
 from camp.config import Config
 from camp.errors import ClipError
@@ -40,6 +40,18 @@ def warm_start(training: Training, config: Config) -> list[dict[str, float]]:
     metrics = list(track(steps, "imitating the expert", total=imitation.epochs))
     print(f"imitation: {len(data.observation):,} pairs, loss {metrics[-1]['imitation/loss']:.4f}", flush=True)
     return metrics
+
+
+def keep_imitating(training: Training, config: Config) -> None:
+    """Add the imitation loss to PPO's on this rank, where ``algo.imitation.ppo_weight`` asks for it.
+
+    Uses the perturbed clips of the warm start. Raises ClipError where too few can be had.
+    """
+    imitation = config.algo.imitation
+    if imitation.ppo_weight == 0.0:
+        return
+    data = imitation_data(perturbed_clips(config), config, training.device)
+    training.ppo.auxiliary_loss = ImitationLoss(data, imitation, training.generators["imitation"])
 
 
 def perturbed_clips(config: Config) -> list[Clip]:

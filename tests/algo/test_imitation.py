@@ -8,11 +8,11 @@ import pytest
 import torch
 
 from camp.algo.config import ImitationConfig
-from camp.algo.imitation import ImitationData, imitate
+from camp.algo.imitation import ImitationData, ImitationLoss, imitate
 from camp.algo.models import GaussianActor
 from tests.algo.synthetic import rng, shipped_config
 
-CONFIG = ImitationConfig(epochs=20, batch_size=128, learning_rate=1e-2, last_action_noise=0.0)
+CONFIG = ImitationConfig(epochs=20, batch_size=128, learning_rate=1e-2, last_action_noise=0.0, ppo_weight=0.0)
 
 
 def make_actor() -> GaussianActor:
@@ -85,6 +85,20 @@ def test_same_generator_same_actor():
     for actor in actors:
         list(imitate(actor, linear_data(), replace(CONFIG, epochs=2, last_action_noise=0.1), rng(2)))
     assert all(torch.equal(a, b) for a, b in zip(actors[0].parameters(), actors[1].parameters(), strict=True))
+
+
+def test_the_loss_beside_ppo_is_the_weighted_squared_error():
+    actor, data = make_actor(), linear_data()
+    pair = ImitationData(data.observation[:1], data.action[:1], data.last_action, data.sensor_noise)
+    loss = ImitationLoss(pair, replace(CONFIG, ppo_weight=3.0), rng(2))(actor)
+    error = actor(pair.observation) - pair.action
+    torch.testing.assert_close(loss, 3.0 * (error[0, 0] ** 2 + error[0, 1] ** 2) / 2)
+
+
+def test_the_loss_beside_ppo_draws_anew_at_every_call():
+    actor, data = make_actor(), linear_data()
+    loss = ImitationLoss(data, replace(CONFIG, ppo_weight=1.0, batch_size=16), rng(2))
+    assert loss(actor).item() != loss(actor).item()
 
 
 def test_no_pairs_is_refused():

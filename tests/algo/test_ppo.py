@@ -116,6 +116,19 @@ def test_set_learning_rate_respects_the_bounds():
     assert ppo.learning_rate == ppo.config.max_learning_rate
 
 
+def test_an_auxiliary_loss_pulls_the_policy():
+    """Without any advantage the surrogate is flat: what moves is moved by the auxiliary loss."""
+    ppo, observation = make_ppo(), torch.randn(64, 5, generator=rng(3))
+    ppo.auxiliary_loss = lambda actor: (actor(observation) - 0.5).square().mean()
+    before = ppo.auxiliary_loss(ppo.actor).item()
+    for seed in range(20):
+        rollout = make_rollout(ppo, seed)
+        flat = torch.zeros_like(rollout.value)
+        metrics = ppo.update(rollout, flat, rollout.value, rng(seed))
+    assert ppo.auxiliary_loss(ppo.actor).item() < 0.5 * before
+    assert 0.0 < metrics["ppo/auxiliary_loss"] < before
+
+
 def test_a_fixed_std_is_not_trained():
     ppo = make_ppo()
     ppo.actor.log_std.requires_grad_(False)

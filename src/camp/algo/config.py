@@ -155,12 +155,20 @@ class ImitationConfig:
     batch_size: int = MISSING  # pairs per step
     learning_rate: float = MISSING  # Adam, start of the cosine
     last_action_noise: float = MISSING  # std on the last-action input, action units
+    ppo_weight: float = MISSING  # of the same loss beside PPO's; 0 = imitation before PPO alone
 
     def check(self) -> None:
         checks.not_negative("algo.imitation.epochs", self.epochs)
         checks.count("algo.imitation.batch_size", self.batch_size)
         checks.positive("algo.imitation.learning_rate", self.learning_rate)
         checks.not_negative("algo.imitation.last_action_noise", self.last_action_noise)
+        checks.not_negative("algo.imitation.ppo_weight", self.ppo_weight)
+        checks.require(
+            self.epochs > 0 or self.ppo_weight == 0.0,
+            "algo.imitation.ppo_weight",
+            self.ppo_weight,
+            "set it to 0 without imitation (algo.imitation.epochs=0)",
+        )
 
 
 @dataclass

@@ -1,4 +1,4 @@
-"""Warm start: supervised regression of the actor on the expert's answers."""
+"""Supervised regression of the actor on the expert's answers: before PPO, and beside it."""
 
 from __future__ import annotations
 
@@ -47,8 +47,7 @@ def imitate(
     for epoch in range(config.epochs):
         averages = Averages()
         for index in minibatches(pairs, 1, per_epoch, generator):
-            observation = _noised(data.observation[index], data, config, generator)
-            loss = functional.mse_loss(actor(observation), data.action[index])
+            loss = _loss(actor, index, data, config, generator)
             optimizer.zero_grad(set_to_none=True)
             loss.backward()
             optimizer.step()
@@ -58,6 +57,31 @@ def imitate(
             "imitation/epoch": float(epoch + 1),
             "imitation/learning_rate": schedule.get_last_lr()[0],
         }
+
+
+class ImitationLoss:
+    """Holds what imitation has taught while PPO improves it: the same loss, weighted, on a fresh batch at every call.
+
+    PPO's own samples soon show only what the policy does, and nothing in the rewards holds it to the expert's stride
+    frequency; pairs of the expert beside them do (DAPG, Rajeswaran et al. 2018, there with a decaying weight).
+    """
+
+    def __init__(self, data: ImitationData, config: ImitationConfig, generator: torch.Generator) -> None:
+        """generator: on the actor's device."""
+        self.data, self.config, self.generator = data, config, generator
+
+    def __call__(self, actor: GaussianActor) -> Tensor:
+        """ppo_weight x mean squared error of the actor's mean on ``batch_size`` pairs, ()."""
+        pairs, device = self.data.observation.shape[0], self.generator.device
+        index = torch.randint(pairs, (self.config.batch_size,), generator=self.generator, device=device)
+        return self.config.ppo_weight * _loss(actor, index, self.data, self.config, self.generator)
+
+
+def _loss(
+    actor: GaussianActor, index: Tensor, data: ImitationData, config: ImitationConfig, generator: torch.Generator
+) -> Tensor:
+    observation = _noised(data.observation[index], data, config, generator)
+    return functional.mse_loss(actor(observation), data.action[index])
 
 
 def _noised(observation: Tensor, data: ImitationData, config: ImitationConfig, generator: torch.Generator) -> Tensor:

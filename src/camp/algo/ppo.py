@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from typing import Any, TypeVar
 
@@ -22,6 +22,8 @@ from camp.algo.losses import (
 from camp.algo.models import Critic, GaussianActor
 from camp.algo.optimization import backward
 from camp.data import Decision, Rollout
+
+AuxiliaryLoss = Callable[[GaussianActor], Tensor]  # () to be added to the surrogate's, once a minibatch
 
 RATE_FACTOR = 1.5  # of one correction of the policy rate (legged_gym)
 
@@ -64,6 +66,11 @@ def explained_variance(value: Tensor, return_: Tensor) -> Tensor:
     return 1.0 - (unexplained / all_.clamp(min=1e-8)).squeeze()
 
 
+def no_auxiliary_loss(actor: GaussianActor) -> Tensor:
+    """Nothing beside PPO's own objective."""
+    return actor.std.new_zeros(())
+
+
 class PPO:
     """Owns actor, critic and one optimizer for each.
 
@@ -77,6 +84,7 @@ class PPO:
 
     def __init__(self, actor: GaussianActor, critic: Critic, config: PPOConfig) -> None:
         self.actor, self.critic, self.config = actor, critic, config
+        self.auxiliary_loss: AuxiliaryLoss = no_auxiliary_loss
         # GPU and CPU both have the fused kernel: one pass over the parameters instead of a dozen.
         trained = [p for p in actor.parameters() if p.requires_grad]
         self.actor_optimizer = torch.optim.Adam(trained, lr=config.learning_rate, fused=True)
@@ -177,11 +185,13 @@ class PPO:
         log_prob = gaussian_log_prob(batch.action, mean, std)
         surrogate = clipped_surrogate_loss(log_prob, batch.log_prob, batch.advantage, self.config.clip)
         entropy = gaussian_entropy(std)
-        norm = self._descend(self.actor_optimizer, surrogate - self.config.entropy * entropy)
+        auxiliary = self.auxiliary_loss(self.actor)
+        norm = self._descend(self.actor_optimizer, surrogate - self.config.entropy * entropy + auxiliary)
         self.actor.project_std()
         clipped = ((log_prob.detach() - batch.log_prob).exp() - 1.0).abs() > self.config.clip
         averages.add("ppo/kl", kl)
         averages.add("ppo/surrogate_loss", surrogate)
+        averages.add("ppo/auxiliary_loss", auxiliary)
         averages.add("ppo/entropy", entropy)
         averages.add("ppo/clip_fraction", clipped)
         averages.add("ppo/std", std)
