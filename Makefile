@@ -3,6 +3,7 @@
 PYTHON ?= python3
 VENV   ?= .venv
 RUN    ?= outputs/latest
+POLICY ?= src/camp/assets/policies/go2_camp
 ARGS   ?=
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
@@ -14,7 +15,7 @@ export MUJOCO_GL ?= $(if $(shell ldconfig -p 2>/dev/null | grep -F libEGL.so),eg
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help setup test check train evaluate figures dataset bench clean
+.PHONY: help setup demo test check train evaluate figures dataset bench clean
 .NOTPARALLEL:
 
 help: ## list the targets
@@ -36,8 +37,12 @@ $(STAMP): pyproject.toml constraints.txt
 	"$(BIN)/python" -m pip install --quiet --no-compile --disable-pip-version-check -e '.[dev]' -c constraints.txt
 	@touch "$@"
 
-test: setup ## run all tests
-	"$(BIN)/python" -m pytest $(ARGS)
+demo: setup ## watch the shipped policy: short evaluation, videos, figures (under 3 minutes)
+	"$(BIN)/python" -m camp.evaluate run="$(POLICY)" suite=short $(ARGS)
+	"$(BIN)/python" -m analysis run="$(POLICY)"
+
+test: setup ## run all tests, a file at a time on each of up to four processors
+	"$(BIN)/python" -m pytest -n auto --maxprocesses 4 --dist loadfile $(ARGS)
 
 check: setup ## format, lint, check types, run the fast tests
 	"$(BIN)/ruff" format .

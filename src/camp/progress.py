@@ -81,6 +81,10 @@ class Progress:
         elif iteration in (1, self.total) or iteration % self.lines_every == 0:
             self._console.print(self._line(iteration, self._shown), soft_wrap=True, highlight=False, markup=False)
 
+    def say(self, text: str) -> None:
+        """Print a line that stays, above the table on a terminal."""
+        self._console.print(text, soft_wrap=True, highlight=False, markup=False)
+
     def _headline(self, iteration: int) -> str:
         left = "--:--"
         if self._seconds is not None:

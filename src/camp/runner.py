@@ -11,6 +11,7 @@ import torch
 from torch import Tensor
 
 from camp import distributed
+from camp.alarms import AlarmMonitor, alarms_of
 from camp.algo.averages import Averages
 from camp.algo.losses import gae, mix_rewards
 from camp.build import Training
@@ -41,6 +42,7 @@ class Runner:
             env.sim.control_period,
             env.sim.device,
         )
+        self.alarms = AlarmMonitor(alarms_of(config))
         self.collector = Collector(env, training.ppo, self.monitor, training.device)
         self.iteration = 0  # completed ones
 
@@ -62,6 +64,8 @@ class Runner:
             metrics = self.iterate()
             logger.log(self.iteration, metrics)
             progress.update(self.iteration, metrics)
+            for line in self.alarms.new():
+                progress.say(f"iteration {self.iteration}: {line}")
             if self.iteration % run.checkpoint_every == 0:
                 self.save()
                 saved = self.iteration
@@ -105,6 +109,7 @@ class Runner:
         metrics |= self._reward_metrics(terms, rollout)
         metrics |= {f"reward/{name}/weighted": weights[name] * metrics[f"reward/{name}/raw"] for name in terms}
         metrics["env/diverged"] = float(distributed.total(torch.tensor(metrics["env/diverged"])))
+        metrics |= self.alarms.update(metrics)
         if self.iteration % run.gait_every == 0:
             metrics |= self.monitor.read()
         metrics["time/collect_s"] = collected - started
@@ -128,6 +133,7 @@ class Runner:
             "iteration": self.iteration,
             "ppo": training.ppo.state_dict(),
             "priors": {prior.name: prior.state_dict() for prior in training.priors},
+            "alarms": self.alarms.state_dict(),
             "ranks": distributed.gather(self._own_state()),
         }
 
@@ -147,6 +153,7 @@ class Runner:
         training.ppo.load_state_dict(state["ppo"])
         for prior in training.priors:
             prior.load_state_dict(state["priors"][prior.name])
+        self.alarms.load_state_dict(state["alarms"])
         own = state["ranks"][distributed.rank()]
         for prior in training.priors:
             prior.load_memory(own["memories"][prior.name])
