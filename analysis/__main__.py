@@ -22,7 +22,7 @@ SEED = 0
 
 def draw_contacts(folder: Path) -> Path:
     """Write contacts.png from the run folder's evaluation."""
-    diagram = compute_diagram(load.switching_sequence(evaluation_folder(folder)))
+    diagram = compute_diagram(load.switching_sequence(load.evaluation_folder(folder)))
     return save(draw_diagram(diagram), figures_folder(folder) / "contacts.png")
 
 
@@ -39,12 +39,6 @@ def draw_latent_space(folder: Path) -> list[Path]:
 def figures_folder(folder: Path) -> Path:
     """Where the run's figures go."""
     return results_folder(folder) / "figures"
-
-
-def evaluation_folder(folder: Path) -> Path:
-    """Where the run's evaluation lies: for a shipped policy the user's own where there is one, else the shipped one."""
-    own = results_folder(folder)
-    return own if (own / load.EVALUATION_FILE).is_file() else folder
 
 
 def run_folder(arguments: list[str]) -> Path:

@@ -16,6 +16,7 @@ from camp.data import Transition
 from camp.errors import CampError
 from camp.motion.clips import Clip, amp_state
 from camp.motion.gaits import GAIT_PHASES
+from camp.paths import results_folder
 
 if TYPE_CHECKING:  # camp.build imports the simulator, which figures drawn from arrays do not need
     from camp.build import Run
@@ -68,6 +69,12 @@ def newest_run(outputs: Path) -> Path:
     if not found:
         raise AnalysisError(f"no {EVALUATION_FILE} below '{outputs}': run `python -m camp.evaluate run=<folder>` first")
     return found[-1].parent
+
+
+def evaluation_folder(run: Path) -> Path:
+    """Where the run's evaluation lies: for a shipped policy the user's own where there is one, else the shipped one."""
+    own = results_folder(run)
+    return own if (own / EVALUATION_FILE).is_file() else run
 
 
 def switching_sequence(folder: Path) -> SwitchingSequence:

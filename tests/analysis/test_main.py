@@ -55,13 +55,13 @@ def test_a_shipped_policy_stays_as_it_is(folder, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(command, "policies_root", lambda: policies)
     monkeypatch.setattr(command, "draw_latent_space", lambda folder: [])
     monkeypatch.chdir(tmp_path)
-    assert command.evaluation_folder(shipped) == shipped
+    assert command.load.evaluation_folder(shipped) == shipped
     assert command.main([f"run={shipped}"]) == 0
     assert capsys.readouterr().out == "outputs/go2_camp/figures/contacts.png\n"
     assert [path.name for path in shipped.iterdir()] == ["eval.npz"]
 
     write_evaluation(tmp_path / "outputs" / "go2_camp")  # the user's own, which counts more, and is the newest
-    assert command.evaluation_folder(shipped) == command.results_folder(shipped)
+    assert command.load.evaluation_folder(shipped) == command.results_folder(shipped)
     assert command.run_folder([]) == shipped
 
 
