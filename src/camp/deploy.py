@@ -208,7 +208,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     settled = slice(round(SETTLING_S / period), None)
     gait, velocity = measure_gait(done.contact[None, settled], period), done.velocity[settled].mean(axis=0)
     reached = "{:.2f} {:.2f} m/s {:.2f} rad/s".format(*velocity)
-    print(f"performed: {gait.label[0]} at {reached}, {gait.frequency_hz[0]:.2f} strides per s")
+    strides = f"{gait.frequency_hz[0]:.2f} strides per s" if gait.stepping.any() else "no strides"
+    print(f"performed: {gait.label[0]} at {reached}, {strides}")
     return 0
 
 
