@@ -6,7 +6,6 @@ with the highest number. A process killed at any moment leaves every finished ch
 
 from __future__ import annotations
 
-import os
 import pickle
 import re
 import zipfile
@@ -18,6 +17,7 @@ import torch
 from torch import Tensor
 
 from camp.errors import CheckpointError
+from camp.files import PARTIAL, whole_file
 
 FORMAT = "camp-checkpoint"
 FORMAT_VERSION = 1
@@ -43,28 +43,20 @@ def save_checkpoint(path: Path, state: Mapping[str, Any]) -> Path:
     Raises CheckpointError when the disk is full or the folder not writable; an existing file stays as it was.
     """
     _check_plain(state, "state")
-    partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with partial.open("wb") as file:
+        with whole_file(path) as file:
             torch.save({"format": FORMAT, "version": FORMAT_VERSION, "state": dict(state)}, file)
-            file.flush()
-            os.fsync(file.fileno())
-        partial.replace(path)
-        _sync_folder(path.parent)
     except (OSError, RuntimeError) as error:  # torch reports a full disk as RuntimeError
         raise CheckpointError(
             f"checkpoint {path}: could not be written ({_first_line(error)}); free some space or choose another folder"
         ) from error
-    finally:
-        partial.unlink(missing_ok=True)
     return path
 
 
 def save_run_checkpoint(run: Path, iteration: int, state: Mapping[str, Any], keep: int) -> Path:
     """Save `state` as the run's checkpoint of `iteration` and delete all but the last `keep` (at least 1)."""
     path = save_checkpoint(run / FOLDER / f"checkpoint_{iteration:08d}.pt", state)
-    for partial in path.parent.glob("*.partial"):  # left by a process that was killed while writing
+    for partial in path.parent.glob(f"*{PARTIAL}"):  # left by a process that was killed while writing
         partial.unlink(missing_ok=True)
     for old in list_checkpoints(run)[: -max(keep, 1)]:
         if old != path:
@@ -165,15 +157,6 @@ def _check_plain(value: Any, where: str) -> None:
             _check_plain(item, f"{where}[{index}]")
     elif not (value is None or isinstance(value, Tensor) or type(value) in (bool, int, float, str)):
         raise TypeError(f"{where} is a {type(value).__name__}: a checkpoint holds only tensors and plain values")
-
-
-def _sync_folder(folder: Path) -> None:
-    """Make the renaming itself survive a power cut."""
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
 
 
 def _first_line(error: BaseException) -> str:

@@ -19,7 +19,7 @@ from camp.evaluation.judge import Judge, Judgement
 from camp.evaluation.record import log_evaluation
 from camp.evaluation.rollout import Policy
 from camp.evaluation.tables import printed
-from camp.logger import write_text
+from camp.files import whole_file, write_text
 from camp.paths import results_folder
 from camp.robots import go2
 from camp.seeding import generator
@@ -66,10 +66,8 @@ def _heading(run: Run, folder: Path, evaluation: EvaluationConfig) -> dict:
 
 def _write(folder: Path, report: dict, judgement: Judgement) -> None:
     write_text(folder / "eval.json", json.dumps(report, indent=2, allow_nan=False) + "\n")
-    path = folder / "eval.npz"
-    partial = path.with_name(f"{path.name}.partial.npz")
-    np.savez_compressed(partial, allow_pickle=False, **judgement.arrays)  # pyright: ignore[reportArgumentType]
-    partial.replace(path)
+    with whole_file(folder / "eval.npz") as file:
+        np.savez_compressed(file, allow_pickle=False, **judgement.arrays)  # pyright: ignore[reportArgumentType]
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ from camp.build import load_run
 from camp.config import Config
 from camp.envs.observations import actor_entries
 from camp.errors import ConfigError
-from camp.logger import write_text
+from camp.files import whole_file, write_text
 from camp.motion.skills import names
 from camp.onnx_graph import OPSET, ExportError, largest_difference, policy_graph, require_packages
 from camp.paths import results_folder
@@ -94,10 +94,8 @@ def export_policy(run: Path, output: Path) -> Exported:
         )
     paths = output / MODEL_FILE, output / METADATA_FILE
     try:
-        output.mkdir(parents=True, exist_ok=True)
-        partial = paths[0].with_suffix(".partial")
-        partial.write_bytes(model.SerializeToString())
-        partial.replace(paths[0])
+        with whole_file(paths[0]) as file:
+            file.write(model.SerializeToString())
     except OSError as error:
         raise ConfigError(f"output {output}: {error.strerror or error}; choose a folder that can be written") from error
     write_text(paths[1], json.dumps(described, indent=2) + "\n")

@@ -19,6 +19,7 @@ from typing import Any
 from omegaconf import MISSING, DictConfig, OmegaConf
 
 from camp.errors import CheckpointError, ConfigError
+from camp.files import write_text
 from camp.versions import collect_versions
 
 METRICS = "metrics.jsonl"
@@ -151,18 +152,6 @@ def truncate_metrics(path: Path, last_iteration: int) -> None:
     """Drop the lines behind `last_iteration`, which a resumed run writes again. Raises CheckpointError."""
     kept = [row for row in read_metrics(path) if row["iteration"] <= last_iteration]
     write_text(path, "".join(json.dumps(row) + "\n" for row in kept))
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a file whole or not at all. Raises ConfigError when the folder cannot be written."""
-    partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
-    try:
-        partial.write_text(text, encoding="utf-8")
-        partial.replace(path)
-    except OSError as error:
-        raise ConfigError(f"file {path}: {error.strerror or error}; choose a folder that can be written") from error
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def start_wandb(identity: RunIdentity, logger: LoggerConfig, config: DictConfig) -> Any:

@@ -25,7 +25,8 @@ from camp.checkpoint import load_checkpoint, save_run_checkpoint
 from camp.config import Config, as_yaml, load_run_config
 from camp.errors import ConfigError
 from camp.export import METADATA_FILE, metadata
-from camp.logger import read_metrics, write_text
+from camp.files import write_text
+from camp.logger import read_metrics
 from camp.paths import assets_root, policies_root
 from camp.provenance import condensed, describe, provenance, rounded
 

@@ -20,7 +20,8 @@ from camp.checkpoint import load_checkpoint
 from camp.cli import new_run_folder, run_hydra
 from camp.config import Config, as_yaml, load_run_config, resolve
 from camp.errors import CheckpointError, ConfigError
-from camp.logger import NoLogger, RunIdentity, RunLogger, write_text
+from camp.files import write_text
+from camp.logger import NoLogger, RunIdentity, RunLogger
 from camp.progress import Progress
 from camp.runner import Runner
 from camp.seeding import seed_everything
