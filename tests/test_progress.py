@@ -50,6 +50,15 @@ def test_lines_off_a_terminal():
     assert "physics" not in lines[1]
 
 
+def test_histograms_are_not_shown():
+    shown = []
+    for metrics in (METRICS, METRICS | {"gait/histogram": [0.5, 0.5]}):
+        with Progress(1, 1000, stream := io.StringIO(), clock=Clock(2.0)) as progress:
+            progress.update(1, metrics)
+        shown.append(stream.getvalue())
+    assert shown[0] == shown[1] != ""
+
+
 def test_table_on_a_terminal(monkeypatch):
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.delenv("NO_COLOR", raising=False)

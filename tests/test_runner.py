@@ -67,6 +67,7 @@ def test_resumed_run_equals_an_uninterrupted_one(imitating, busy, tmp_path):
     run_for(busy, broken, load_checkpoint(broken))
     assert metrics_of(straight) == metrics_of(broken)
     assert (metrics_of(straight)[-1]["ppo/auxiliary_loss"] > 0.0) == imitating
+    assert all(sum(row["prior/style/logit_histogram/expert"]) == pytest.approx(1.0) for row in metrics_of(straight))
     one, other = load_checkpoint(straight), load_checkpoint(broken)
     assert one["iteration"] == other["iteration"] == 6
     for name, weights in one["ppo"]["actor"].items():
@@ -107,6 +108,17 @@ def test_ablations_build_only_what_they_keep(config):
     assert [prior.name for prior in build_training(config).priors] == ["style"]
     config.algo.style.enabled = False
     assert build_training(config).priors == []
+
+
+def test_histograms_come_with_the_gait_readings_from_priors_that_have_them(config, tmp_path):
+    config.run.iterations, config.run.gait_every = 2, 2
+    for name, style in (("with", True), ("without", False)):
+        (tmp_path / name).mkdir()
+        config.algo.style.enabled = style
+        run_for(config, tmp_path / name)
+        found = [{key for key, value in row.items() if isinstance(value, list)} for row in metrics_of(tmp_path / name)]
+        sides = {f"prior/style/logit_histogram/{side}" for side in ("expert", "policy")}
+        assert found == [set(), sides if style else set()]
 
 
 def test_mirror_images_double_the_demonstrations(config):

@@ -137,6 +137,14 @@ def test_a_long_learning_curve_becomes_means_of_blocks():
     assert condensed([{"iteration": 1, "a": None}]) == [{"iteration": 1, "a": None}]
 
 
+def test_a_shipped_curve_keeps_histograms():
+    rows = [{"iteration": i} for i in range(1, 401)]
+    rows[0] |= {"h": [1.0, 0.0, 0.0]}
+    rows[1] |= {"h": [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0]}
+    rows[2] |= {"h": [2.0 / 3.0, 1.0 / 3.0, 0.0]}
+    assert [row.get("h") for row in condensed(rows)[:3]] == [[0.6667, 0.1667, 0.1667], [0.6667, 0.3333, 0.0], None]
+
+
 def test_the_shipped_curve_is_one_that_can_be_read(shipped):
     rows = read_metrics(shipped / "metrics.jsonl")
     assert [row["iteration"] for row in rows] == [1, 2, 3, 4, 5, 6, 7]

@@ -1,7 +1,7 @@
 """The record of a run: metrics.jsonl, config.yaml, versions.json and a Weights & Biases run.
 
 metrics.jsonl holds one JSON object per iteration, {"iteration": 12, "reward/style/raw": 0.4, ...}; a value
-that is not finite is written as null, which strict JSON readers accept.
+that is not finite is written as null, which strict JSON readers accept. A histogram is a list of its shares.
 """
 
 from __future__ import annotations
@@ -16,14 +16,18 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from omegaconf import MISSING, DictConfig, OmegaConf
 
 from camp.errors import CheckpointError, ConfigError
 from camp.files import write_text
+from camp.histogram import EDGES
 from camp.versions import collect_versions
 
 METRICS = "metrics.jsonl"
 WANDB_MODES = ("offline", "online", "disabled")
+
+Metric = float | list[float]  # a list: a histogram's shares, in the bins of camp.histogram
 
 
 @dataclass
@@ -92,15 +96,14 @@ class RunLogger:
             announce(_how_to_look(self.folder, logger.wandb_mode))
         self._file = metrics_path.open("a", encoding="utf-8")
 
-    def log(self, iteration: int, metrics: Mapping[str, float]) -> None:
-        """Append one line for `iteration`; keys are paths such as reward/style/raw, values real numbers."""
-        values = {key: float(value) for key, value in metrics.items()}
-        line = {"iteration": iteration} | {k: v if math.isfinite(v) else None for k, v in values.items()}
+    def log(self, iteration: int, metrics: Mapping[str, Metric]) -> None:
+        """Append one line for `iteration`; keys are paths such as reward/style/raw."""
+        line = {"iteration": iteration} | {key: _for_json(value) for key, value in metrics.items()}
         # One write and one flush: a process killed at any moment leaves whole lines, but for the last one.
         self._file.write(json.dumps(line) + "\n")
         self._file.flush()
         if self._wandb is not None:
-            self._wandb.log(values, step=iteration)
+            self._wandb.log({key: _for_wandb(value) for key, value in metrics.items()}, step=iteration)
 
     def finish(self, exit_code: int = 0) -> None:
         """Close the files and end the W&B run; a second call does nothing."""
@@ -119,13 +122,27 @@ class RunLogger:
 class NoLogger:
     """The record that the ranks after the first do not keep."""
 
-    def log(self, iteration: int, metrics: Mapping[str, float]) -> None:
+    def log(self, iteration: int, metrics: Mapping[str, Metric]) -> None:
         """Nothing."""
 
     def __enter__(self) -> NoLogger:
         return self
 
     def __exit__(self, *_: object) -> None: ...
+
+
+def _for_json(value: Metric) -> Metric | None:
+    if isinstance(value, list):
+        return value
+    return float(value) if math.isfinite(value) else None
+
+
+def _for_wandb(value: Metric) -> Any:
+    if not isinstance(value, list):
+        return float(value)
+    import wandb  # there already, where a W&B run is
+
+    return wandb.Histogram(np_histogram=(np.array(value), np.array(EDGES)))
 
 
 def read_metrics(path: Path) -> list[dict[str, Any]]:

@@ -14,6 +14,8 @@ from rich.console import Console
 from rich.live import Live
 from rich.table import Table
 
+from camp.logger import Metric
+
 #: The rows in order of display: which metric keys each holds, and in group 1 what is shown of the key. The rest is in
 #: metrics.jsonl and W&B.
 SECTIONS = {
@@ -67,9 +69,9 @@ class Progress:
         """Environment steps per second, smoothed over some ten iterations; nan before the first."""
         return self.steps_per_iteration / self._seconds if self._seconds else math.nan
 
-    def update(self, iteration: int, metrics: Mapping[str, float]) -> None:
-        """Show `metrics` of `iteration` (the first is 1, `total` the last)."""
-        self._shown |= metrics
+    def update(self, iteration: int, metrics: Mapping[str, Metric]) -> None:
+        """Show the numbers among the `metrics` of `iteration` (the first is 1, `total` the last)."""
+        self._shown |= {key: value for key, value in metrics.items() if not isinstance(value, list)}
         now = self._clock()
         if self._last is not None:
             elapsed = max(now - self._last, 1e-9)

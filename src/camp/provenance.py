@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from camp.config import Config
 from camp.errors import CheckpointError
 from camp.logger import read_metrics
@@ -124,7 +126,8 @@ def block_length(rows: int) -> int:
 
 
 def condensed(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """At most MAX_ROWS rows: blocks of as many iterations each, every value the mean over those that have it."""
+    """At most MAX_ROWS rows: blocks of as many iterations each, every value the mean over those that have it, and
+    every histogram the mean of each of its shares."""
     length = block_length(len(rows))
     return [rounded(_mean(rows[start : start + length])) for start in range(0, len(rows), length)]
 
@@ -133,15 +136,19 @@ def _mean(block: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     merged: dict[str, Any] = {}
     for key in dict.fromkeys(key for row in block for key in row):
         values = [row[key] for row in block if row.get(key) is not None]
-        merged[key] = None if not values else values[-1] if key in COUNTERS else sum(values) / len(values)
+        merged[key] = None if not values else values[-1] if key in COUNTERS else np.mean(values, axis=0).tolist()
     return merged
 
 
 def rounded(row: Mapping[str, Any]) -> dict[str, Any]:
     """Every value with DIGITS significant digits, the counters whole."""
-    return {
-        key: value if value is None or key in COUNTERS else float(f"{value:.{DIGITS}g}") for key, value in row.items()
-    }
+    return {key: value if key in COUNTERS else _rounded(value) for key, value in row.items()}
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_rounded(part) for part in value]
+    return None if value is None else float(f"{value:.{DIGITS}g}")
 
 
 def _command(argv: Sequence[str]) -> str:

@@ -14,13 +14,14 @@ from camp import distributed
 from camp.alarms import AlarmMonitor, alarms_of
 from camp.algo.averages import Averages
 from camp.algo.losses import gae, mix_rewards
+from camp.algo.prior import WithHistograms
 from camp.build import Training
 from camp.checkpoint import save_run_checkpoint
 from camp.collector import Collector
 from camp.config import Config
 from camp.data import Rollout
 from camp.gait_monitor import GaitMonitor
-from camp.logger import NoLogger, RunLogger
+from camp.logger import Metric, NoLogger, RunLogger
 from camp.motion.skills import names
 from camp.progress import Progress
 from camp.seeding import generator_state, global_state, restore_generator, restore_global_state
@@ -72,7 +73,7 @@ class Runner:
         if saved < self.iteration:
             self.save()
 
-    def iterate(self) -> dict[str, float]:
+    def iterate(self) -> dict[str, Metric]:
         """One iteration of the algorithm; returns its metrics."""
         training, run = self.training, self.config.run
         started = time.perf_counter()
@@ -110,8 +111,7 @@ class Runner:
         metrics |= {f"reward/{name}/weighted": weights[name] * metrics[f"reward/{name}/raw"] for name in terms}
         metrics["env/diverged"] = float(distributed.total(torch.tensor(metrics["env/diverged"])))
         metrics |= self.alarms.update(metrics)
-        if self.iteration % run.gait_every == 0:
-            metrics |= self.monitor.read()
+        readings = self._readings(rollout) if self.iteration % run.gait_every == 0 else {}
         metrics["time/collect_s"] = collected - started
         metrics["time/score_s"] = scored - collected
         metrics["time/policy_update_s"] = policy_updated - scored
@@ -119,7 +119,7 @@ class Runner:
         steps = distributed.size() * rollout.skill.numel()
         metrics["time/steps_per_s"] = steps / (time.perf_counter() - started)
         metrics["steps"] = float(self.iteration * steps)
-        return metrics
+        return metrics | readings
 
     def save(self) -> None:
         """Write a checkpoint of everything a bit-for-bit continuation needs, all ranks' parts in one file."""
@@ -169,6 +169,17 @@ class Runner:
         for prior in self.training.priors:
             terms[prior.name] = prior.reward(rollout.transitions()).view_as(rollout.task_reward)
         return terms
+
+    def _readings(self, rollout: Rollout) -> dict[str, Metric]:
+        """What is too dear for every iteration: gaits from foot contacts, and how the priors' answers are spread."""
+        training = self.training
+        readings: dict[str, Metric] = {**self.monitor.read()}
+        for prior in training.priors:
+            if isinstance(prior, WithHistograms):
+                readings |= prior.histograms(
+                    rollout.transitions(), training.demonstrations, training.generators["priors"]
+                )
+        return readings
 
     def _reward_metrics(self, terms: dict[str, Tensor], rollout: Rollout) -> dict[str, float]:
         """Mean raw reward of every term, over all and while each skill was commanded."""

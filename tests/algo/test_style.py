@@ -12,6 +12,7 @@ from camp.algo.models import SkillEmbedding
 from camp.algo.style import StylePrior
 from camp.data import Transition, concatenate
 from camp.errors import ConfigError
+from camp.histogram import EDGES
 from tests.algo.synthetic import (
     SKILLS,
     STATE_SIZE,
@@ -47,6 +48,19 @@ def test_separates_expert_from_policy():
     assert metrics["prior/style/accuracy"] > 0.98
     assert all(metrics[f"prior/style/accuracy/{skill}"] > 0.95 for skill in SKILLS)
     assert metrics["prior/style/expert_logit"] > 0.7 and metrics["prior/style/policy_logit"] < -0.7
+
+
+def test_histograms_tell_expert_from_policy_once_the_prior_does():
+    prior = make_style()
+    train(prior, range(30))
+    before = copy.deepcopy(prior.state_dict())
+    found = prior.histograms(standing(), four_corners(), rng(1))
+    assert_identical(prior.state_dict(), before)
+    expert, policy = (torch.tensor(found[f"prior/style/logit_histogram/{side}"]) for side in ("expert", "policy"))
+    middle = torch.tensor(EDGES).unfold(0, 2, 1).mean(dim=1)
+    assert expert @ middle == pytest.approx(prior.logit(four_corners().sample(64, rng(1))).mean().item(), abs=0.125)
+    assert policy @ middle == pytest.approx(prior.logit(standing()).mean().item(), abs=0.125)
+    assert expert[middle > 0].sum() > 0.95 and policy[middle < 0].sum() > 0.95
 
 
 def wrong_label_gap(prior: StylePrior) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import torch
 from torch import Tensor, nn
@@ -56,6 +56,17 @@ class Prior(Protocol):
         ...
 
     def load_memory(self, state: dict[str, Any]) -> None: ...
+
+
+@runtime_checkable
+class WithHistograms(Protocol):
+    """A prior that shows more than means of its answers."""
+
+    def histograms(
+        self, policy: Transition, demonstrations: DemonstrationSource, generator: torch.Generator
+    ) -> dict[str, list[float]]:
+        """Histograms (`camp.histogram`) of its present answers to policy and expert, by key; it learns nothing."""
+        ...
 
 
 def in_chunks(score: Callable[[Transition], Tensor], transition: Transition) -> Tensor:

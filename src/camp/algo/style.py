@@ -19,6 +19,7 @@ from camp.algo.prior import DemonstrationSource, draw, in_chunks
 from camp.algo.replay import ReplayBuffer
 from camp.data import Transition, concatenate
 from camp.errors import ConfigError
+from camp.histogram import shares
 
 
 class StylePrior:
@@ -88,6 +89,16 @@ class StylePrior:
             self.replay.add(draw(policy, size * self.config.updates, generator))
         averages.add("prior/style/embedding_similarity", self._embedding_similarity())
         return averages.result()
+
+    def histograms(
+        self, policy: Transition, demonstrations: DemonstrationSource, generator: torch.Generator
+    ) -> dict[str, list[float]]:
+        """How D's logits of a fresh expert batch and of all policy transitions are spread (`camp.histogram`)."""
+        expert = demonstrations.sample(self.config.batch_size, generator)
+        return {
+            "prior/style/logit_histogram/expert": shares(self.logit(expert)),
+            "prior/style/logit_histogram/policy": shares(self.logit(policy)),
+        }
 
     def _step(self, expert: Transition, fake: Transition, averages: Averages, generator: torch.Generator) -> None:
         expert_input = self._noisy_input(expert, generator).requires_grad_()
