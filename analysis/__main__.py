@@ -1,4 +1,4 @@
-"""`python -m analysis [run=<folder>]`: draw a run's three figures into <folder>/figures and print their
+"""`python -m analysis [run=<folder>]`: draw a run's four figures into <folder>/figures and print their
 paths. Those of a shipped policy go into outputs/<its name>/figures."""
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from analysis.clusters import POINTS_PER_GAIT, compute_clusters, draw_clusters, 
 from analysis.contacts import compute_diagram, draw_diagram
 from analysis.dtw import compute_distances, draw_distances
 from analysis.style import save
+from analysis.training import compute_curves, draw_curves
 from camp.build import load_run
 from camp.errors import CampError
 from camp.paths import policies_root, results_folder
@@ -20,10 +21,16 @@ from camp.paths import policies_root, results_folder
 SEED = 0
 
 
-def draw_contacts(folder: Path) -> Path:
+def draw_training(folder: Path) -> list[Path]:
+    """Write training.png from the run folder's metrics."""
+    training = compute_curves(load.learning_curve(folder))
+    return [save(draw_curves(training), figures_folder(folder) / "training.png")]
+
+
+def draw_contacts(folder: Path) -> list[Path]:
     """Write contacts.png from the run folder's evaluation."""
     diagram = compute_diagram(load.switching_sequence(load.evaluation_folder(folder)))
-    return save(draw_diagram(diagram), figures_folder(folder) / "contacts.png")
+    return [save(draw_diagram(diagram), figures_folder(folder) / "contacts.png")]
 
 
 def draw_latent_space(folder: Path) -> list[Path]:
@@ -57,15 +64,17 @@ def run_folder(arguments: list[str]) -> Path:
 
 
 def main(arguments: list[str]) -> int:
-    """Draw the figures; returns the exit code, 2 where a line on stderr says what is missing."""
+    """Draw the figures; returns the exit code, 2 where a line on stderr says what is missing.
+
+    Learning curves come first: they need no evaluation.
+    """
     try:
         folder = run_folder(arguments)
-        print(draw_contacts(folder))
-        try:
-            for path in draw_latent_space(folder):
+        for draw in (draw_training, draw_contacts, draw_latent_space):
+            for path in draw(folder):
                 print(path)
-        except load.NoLatentSpaceError as absent:
-            print(f"clusters.png and dtw.png left out: {absent}", file=sys.stderr)
+    except load.NoLatentSpaceError as absent:
+        print(f"clusters.png and dtw.png left out: {absent}", file=sys.stderr)
     except CampError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2

@@ -1,11 +1,11 @@
-"""What the figures read from a run folder: measured contacts and the skill discriminator's features."""
+"""What the figures read from a run folder: metrics, measured contacts and the skill discriminator's features."""
 
 from __future__ import annotations
 
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import torch
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from camp.algo.skill import SkillPrior
 from camp.data import Transition
 from camp.errors import CampError
+from camp.logger import METRICS, read_metrics
 from camp.motion.clips import Clip, amp_state
 from camp.motion.gaits import GAIT_PHASES
 from camp.paths import results_folder
@@ -75,6 +76,17 @@ def evaluation_folder(run: Path) -> Path:
     """Where the run's evaluation lies: for a shipped policy the user's own where there is one, else the shipped one."""
     own = results_folder(run)
     return own if (own / EVALUATION_FILE).is_file() else run
+
+
+def learning_curve(folder: Path) -> list[dict[str, Any]]:
+    """The rows of a run folder's metrics.jsonl, whole or condensed as a shipped policy's are; at least one.
+
+    Raises CheckpointError where they cannot be read, AnalysisError where there are none.
+    """
+    rows = [row for row in read_metrics(folder / METRICS) if row.get("steps")]
+    if not rows:
+        raise AnalysisError(f"'{folder / METRICS}' holds no iteration: train the run further")
+    return rows
 
 
 def switching_sequence(folder: Path) -> SwitchingSequence:

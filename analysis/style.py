@@ -28,6 +28,7 @@ GAIT_COLOURS = {
     "pronk": "#CC79A7",
     NO_GAIT: "#BBBBBB",
 }
+TERM_COLOURS = {"task": INK, "style": "#D55E00", "skill": "#56B4E9"}  # of the reward, none of them a gait's
 _OTHER_COLOURS = ("#D55E00", "#56B4E9", "#F0E442", "#000000")
 
 _RC: dict[Any, Any] = {

@@ -18,16 +18,18 @@ from analysis.load import (
     clip_features,
     first_touchdown,
     gaits_of,
+    learning_curve,
     newest_run,
     switching_sequence,
 )
 from camp.algo.models import SkillEmbedding
 from camp.algo.skill import SkillPrior
 from camp.data import Transition
+from camp.errors import CampError
 from camp.motion.clips import Clip, amp_state
 from camp.motion.gaits import GaitSchedule
 from tests.algo.synthetic import shipped_config
-from tests.analysis.synthetic import write_evaluation
+from tests.analysis.synthetic import metrics, write_evaluation, write_metrics
 
 
 def expert_clip(steps: int) -> Clip:
@@ -141,3 +143,11 @@ def test_first_touchdown_is_a_landing_not_a_stance():
     assert first_touchdown(np.array([True, True, False, False, True, True])) == 4
     assert first_touchdown(np.array([False, True])) == 1
     assert first_touchdown(np.array([True, True, False])) == 0
+
+
+def test_learning_curve_needs_an_iteration(tmp_path):
+    assert learning_curve(write_metrics(tmp_path, metrics(3))) == metrics(3)
+    with pytest.raises(AnalysisError, match=r"metrics\.jsonl' holds no iteration"):
+        learning_curve(write_metrics(tmp_path, []))
+    with pytest.raises(CampError, match="unreadable"):
+        learning_curve(tmp_path / "none")

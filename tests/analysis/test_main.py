@@ -1,4 +1,4 @@
-"""The command line: three figures, or one line that says why not."""
+"""The command line: four figures, or one line that says why not."""
 
 from __future__ import annotations
 
@@ -10,7 +10,10 @@ import pytest
 import analysis.__main__ as command
 from analysis.load import NoLatentSpaceError
 from camp import paths
-from tests.analysis.synthetic import clip_features, write_evaluation
+from camp.provenance import condensed
+from tests.analysis.synthetic import clip_features, metrics, write_evaluation, write_metrics
+
+FIGURES = ("training.png", "contacts.png", "clusters.png", "dtw.png")
 
 
 @pytest.fixture
@@ -19,17 +22,15 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.setattr(command, "load_run", lambda folder: SimpleNamespace(folder=folder))
     monkeypatch.setattr(command.load, "clip_features", lambda run: clip_features(np.random.default_rng(0))[::2])
     monkeypatch.setattr(command, "POINTS_PER_GAIT", 20)
-    return write_evaluation(tmp_path / "outputs" / "one")
+    return write_metrics(write_evaluation(tmp_path / "outputs" / "one"), metrics(10))
 
 
 @pytest.mark.slow  # compiles tslearn's DTW
-def test_draws_three_figures_and_prints_their_paths(folder, capsys):
+def test_draws_four_figures_and_prints_their_paths(folder, capsys):
     assert command.main([f"run={folder}"]) == 0
     printed = capsys.readouterr().out.split()
-    assert printed == [str(folder / "figures" / name) for name in ("contacts.png", "clusters.png", "dtw.png")]
-    assert all(
-        (folder / "figures" / name).stat().st_size > 10_000 for name in ("contacts.png", "clusters.png", "dtw.png")
-    )
+    assert printed == [str(folder / "figures" / name) for name in FIGURES]
+    assert all((folder / "figures" / name).stat().st_size > 10_000 for name in FIGURES)
 
 
 def test_without_arguments_takes_the_newest_run(folder, monkeypatch):
@@ -37,28 +38,36 @@ def test_without_arguments_takes_the_newest_run(folder, monkeypatch):
     assert command.run_folder([]).resolve() == folder.resolve()
 
 
-def test_a_run_without_a_skill_discriminator_keeps_its_contact_diagram(folder, monkeypatch, capsys):
+def test_a_run_without_a_skill_discriminator_keeps_its_other_figures(folder, monkeypatch, capsys):
     def absent(run):
         raise NoLatentSpaceError("the run has no skill discriminator")
 
     monkeypatch.setattr(command.load, "clip_features", absent)
     assert command.main([f"run={folder}"]) == 0
     output = capsys.readouterr()
-    assert output.out.split() == [str(folder / "figures" / "contacts.png")]
+    assert output.out.split() == [str(folder / "figures" / name) for name in FIGURES[:2]]
     assert "left out: the run has no skill discriminator" in output.err
+
+
+def test_a_run_that_was_not_evaluated_has_its_learning_curves(folder, capsys):
+    (folder / "eval.npz").unlink()
+    assert command.main([f"run={folder}"]) == 2
+    output = capsys.readouterr()
+    assert output.out.split() == [str(folder / "figures" / "training.png")]
+    assert "run `python -m camp.evaluate" in output.err and output.err.count("\n") == 1
 
 
 def test_a_shipped_policy_stays_as_it_is(folder, tmp_path, monkeypatch, capsys):
     policies = tmp_path / "policies"
-    shipped = write_evaluation(policies / "go2_camp")
+    shipped = write_metrics(write_evaluation(policies / "go2_camp"), condensed(metrics(600)))
     monkeypatch.setattr(paths, "policies_root", lambda: policies)
     monkeypatch.setattr(command, "policies_root", lambda: policies)
     monkeypatch.setattr(command, "draw_latent_space", lambda folder: [])
     monkeypatch.chdir(tmp_path)
     assert command.load.evaluation_folder(shipped) == shipped
     assert command.main([f"run={shipped}"]) == 0
-    assert capsys.readouterr().out == "outputs/go2_camp/figures/contacts.png\n"
-    assert [path.name for path in shipped.iterdir()] == ["eval.npz"]
+    assert capsys.readouterr().out.split() == [f"outputs/go2_camp/figures/{name}" for name in FIGURES[:2]]
+    assert {path.name for path in shipped.iterdir()} == {"eval.npz", "metrics.jsonl"}
 
     write_evaluation(tmp_path / "outputs" / "go2_camp")  # the user's own, which counts more, and is the newest
     assert command.load.evaluation_folder(shipped) == command.results_folder(shipped)
