@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from analysis import load
-from analysis.clusters import POINTS_PER_GAIT, compute_clusters, draw_clusters, sample_transitions
+from analysis.clusters import POINTS_PER_SKILL, compute_clusters, draw_clusters, sample_transitions
 from analysis.contacts import compute_diagram, draw_diagram
 from analysis.dtw import compute_distances, draw_distances
 from analysis.style import save
@@ -35,10 +35,11 @@ def draw_contacts(folder: Path) -> list[Path]:
 
 def draw_latent_space(folder: Path) -> list[Path]:
     """Write clusters.png and dtw.png from the run's skill discriminator and expert clips."""
-    clips = load.clip_features(load_run(folder))
-    feature, gait = sample_transitions(clips, POINTS_PER_GAIT, np.random.default_rng(SEED))
+    run = load_run(folder)
+    clips, skills = load.clip_features(run), run.config.motion.skill_set()
+    feature, skill = sample_transitions(clips, POINTS_PER_SKILL, np.random.default_rng(SEED), skills)
     return [
-        save(draw_clusters(compute_clusters(feature, gait, SEED)), figures_folder(folder) / "clusters.png"),
+        save(draw_clusters(compute_clusters(feature, skill, SEED)), figures_folder(folder) / "clusters.png"),
         save(draw_distances(compute_distances(clips)), figures_folder(folder) / "dtw.png"),
     ]
 

@@ -1,8 +1,9 @@
-"""Do gaits form clusters in the skill discriminator's latent space? Paper, Fig. 3: t-SNE, K-means beside
+"""Do skills form clusters in the skill discriminator's latent space? Paper, Fig. 3: t-SNE, K-means beside
 truth."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,60 +17,66 @@ from sklearn.metrics import adjusted_rand_score
 from sklearn.preprocessing import StandardScaler
 
 from analysis.load import ClipFeatures, gaits_of
-from analysis.style import WIDE, new_figure, skill_colours, style
+from analysis.style import WIDE, new_figure, skill_shades, style
+from camp.motion.skills import Skill
 
-POINTS_PER_GAIT = 400  # t-SNE of 1600 points takes seconds; more only thickens the clusters
+POINTS_PER_SKILL = 200  # t-SNE of 1600 points takes seconds; more only thickens the clusters
 
 
 @dataclass(frozen=True)
 class Clusters:
     """B transitions in the plane, with two labellings of the same names.
 
-    position: (B, 2), no unit; gait: (B,) true names; cluster: (B,) names that K-means' clusters were matched
+    position: (B, 2), no unit; skill: (B,) true names; cluster: (B,) names that K-means' clusters were matched
     to; rand: adjusted Rand index, 0 for chance, 1 for the same partition; purity: share of points whose
-    cluster's most frequent gait is their own.
+    cluster's most frequent skill is their own.
     """
 
     position: NDArray[np.floating]
-    gait: NDArray[np.str_]
+    skill: NDArray[np.str_]
     cluster: NDArray[np.str_]
     rand: float
     purity: float
 
 
 def sample_transitions(
-    clips: list[ClipFeatures], per_gait: int, generator: np.random.Generator
+    clips: list[ClipFeatures],
+    per_skill: int,
+    generator: np.random.Generator,
+    skills: Sequence[Skill] | None = None,
 ) -> tuple[NDArray[np.floating], NDArray[np.str_]]:
-    """Features (B, Z) and gait names (B,): up to `per_gait` transitions of each gait, drawn without
-    replacement."""
+    """Features (B, Z) and skill names (B,): up to `per_skill` transitions of each skill, drawn without replacement.
+
+    skills: each with a clip or more; the gaits that occur where none are given.
+    """
     features, names = [], []
-    for gait in gaits_of(clips):
-        pool = np.concatenate([clip.feature for clip in clips if clip.gait == gait])
-        chosen = generator.choice(len(pool), size=min(per_gait, len(pool)), replace=False)
+    for skill in skills or [Skill(gait) for gait in gaits_of(clips)]:
+        pool = np.concatenate([clip.feature for clip in clips if skill.includes(clip.gait, clip.frequency_hz)])
+        chosen = generator.choice(len(pool), size=min(per_skill, len(pool)), replace=False)
         features.append(pool[chosen])
-        names += [gait] * len(chosen)
+        names += [skill.name] * len(chosen)
     return np.concatenate(features), np.array(names)
 
 
-def compute_clusters(feature: NDArray[np.floating], gait: NDArray[np.str_], seed: int) -> Clusters:
-    """K-means on standardized features with one cluster per gait, then t-SNE of the same features (paper,
+def compute_clusters(feature: NDArray[np.floating], skill: NDArray[np.str_], seed: int) -> Clusters:
+    """K-means on standardized features with one cluster per skill, then t-SNE of the same features (paper,
     Sec. IV-A).
 
-    feature: (B, Z); gait: (B,) names. K-means sees all Z dimensions: t-SNE is for the eye only.
+    feature: (B, Z); skill: (B,) names. K-means sees all Z dimensions: t-SNE is for the eye only.
     """
     standard = StandardScaler().fit_transform(feature)
-    names, truth = np.unique(gait, return_inverse=True)
+    names, truth = np.unique(skill, return_inverse=True)
     # scikit-learn annotates n_init as str only; its documentation allows a count.
     means = KMeans(len(names), n_init=10, random_state=seed)  # pyright: ignore[reportArgumentType]
     index = means.fit_predict(standard)
-    counts = np.zeros((len(names), len(names)), dtype=int)  # (cluster, gait)
+    counts = np.zeros((len(names), len(names)), dtype=int)  # (cluster, skill)
     np.add.at(counts, (index, truth), 1)
     matched = linear_sum_assignment(-counts)[1]  # the naming of clusters that agrees with most points
     perplexity = min(30.0, (len(standard) - 1) / 3)
     position = TSNE(2, perplexity=perplexity, init="pca", random_state=seed).fit_transform(standard)
     return Clusters(
         position=position,
-        gait=gait,
+        skill=skill,
         cluster=names[matched[index]],
         rand=float(adjusted_rand_score(truth, index)),
         purity=float(counts.max(axis=1).sum() / counts.sum()),
@@ -81,8 +88,8 @@ def draw_clusters(clusters: Clusters) -> Figure:
     with style():
         figure = new_figure(WIDE)
         left, right = figure.subplots(1, 2, sharex=True, sharey=True)
-        _scatter(left, clusters.position, clusters.gait)
-        left.set_title("Gait of the expert clip")
+        _scatter(left, clusters.position, clusters.skill)
+        left.set_title("Skill of the expert clip")
         _scatter(right, clusters.position, clusters.cluster)
         right.set_title(f"K-means: adjusted Rand index {clusters.rand:.2f}, purity {clusters.purity:.0%}")
         handles, labels = left.get_legend_handles_labels()
@@ -92,7 +99,7 @@ def draw_clusters(clusters: Clusters) -> Figure:
 
 
 def _scatter(axes: Axes, position: NDArray[np.floating], name: NDArray[np.str_]) -> None:
-    for gait, colour in skill_colours(list(dict.fromkeys(name.tolist()))).items():
-        chosen = position[name == gait]
-        axes.scatter(chosen[:, 0], chosen[:, 1], s=3, c=colour, label=gait, linewidths=0, alpha=0.75)
+    for skill, colour in skill_shades(list(dict.fromkeys(name.tolist()))).items():
+        chosen = position[name == skill]
+        axes.scatter(chosen[:, 0], chosen[:, 1], s=3, color=colour, label=skill, linewidths=0, alpha=0.75)
     axes.set(xticks=[], yticks=[], xlabel="t-SNE 1", ylabel="t-SNE 2")

@@ -10,6 +10,7 @@ from typing import Any
 
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from camp.metrics.gait import NO_GAIT
@@ -70,6 +71,17 @@ def skill_colours(skills: list[str]) -> dict[str, str]:
     colours."""
     spare = iter(_OTHER_COLOURS * (1 + len(skills) // len(_OTHER_COLOURS)))
     return {name: GAIT_COLOURS.get(name.split("_")[0]) or next(spare) for name in skills}
+
+
+def skill_shades(skills: list[str]) -> dict[str, tuple[float, float, float]]:
+    """As `skill_colours`, RGB; of a gait's several skills the first is the palest, so that all can be told apart."""
+    shades = {}
+    for name, colour in skill_colours(skills).items():
+        family = sorted(other for other in skills if other.split("_")[0] == name.split("_")[0])
+        pale = 0.55 * (len(family) - 1 - family.index(name)) / max(len(family) - 1, 1)
+        red, green, blue = ((1 - pale) * part + pale for part in to_rgb(colour))
+        shades[name] = (red, green, blue)
+    return shades
 
 
 def save(figure: Figure, path: Path) -> Path:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from analysis.clusters import compute_clusters, draw_clusters, sample_transitions
-from analysis.style import save
+from analysis.style import GAIT_COLOURS, save, skill_shades
+from camp.motion.skills import skill_set
 from tests.analysis.synthetic import clip_features
 
 
@@ -25,9 +27,23 @@ def test_sample_is_balanced_over_gaits():
     assert np.unique(gait, return_counts=True)[1].tolist() == [30, 30, 30, 30]
 
 
+def test_sample_is_balanced_over_the_skills_of_a_run():
+    generator = np.random.default_rng(0)
+    skills = skill_set(["trot", "bound"], "gait_frequency", [2.0, 4.0])
+    feature, skill = sample_transitions(clip_features(generator), 20, generator, skills)
+    assert feature.shape == (80, 8)
+    assert dict(zip(*np.unique(skill, return_counts=True), strict=True)) == {s.name: 20 for s in skills}
+
+
+def test_skills_of_one_gait_have_shades_of_its_colour():
+    shades = skill_shades(["trot_2hz", "trot_3hz", "pace_2hz"])
+    assert shades["trot_3hz"] == to_rgb(GAIT_COLOURS["trot"]) and shades["pace_2hz"] == to_rgb(GAIT_COLOURS["pace"])
+    assert all(pale > full for pale, full in zip(shades["trot_2hz"], shades["trot_3hz"], strict=True))
+
+
 def test_kmeans_recovers_separable_gaits(separable):
     assert separable.rand == 1.0 and separable.purity == 1.0
-    assert (separable.cluster == separable.gait).all()  # names too, not only the partition
+    assert (separable.cluster == separable.skill).all()  # names too, not only the partition
     assert separable.position.shape == (120, 2)
 
 

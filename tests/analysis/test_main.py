@@ -10,6 +10,8 @@ import pytest
 import analysis.__main__ as command
 from analysis.load import NoLatentSpaceError
 from camp import paths
+from camp.motion.gaits import GAIT_PHASES
+from camp.motion.skills import skill_set
 from camp.provenance import condensed
 from tests.analysis.synthetic import clip_features, metrics, write_evaluation, write_metrics
 
@@ -19,9 +21,10 @@ FIGURES = ("training.png", "contacts.png", "clusters.png", "dtw.png")
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """An evaluated run whose networks give the synthetic features."""
-    monkeypatch.setattr(command, "load_run", lambda folder: SimpleNamespace(folder=folder))
+    config = SimpleNamespace(motion=SimpleNamespace(skill_set=lambda: skill_set(GAIT_PHASES, "gait", [])))
+    monkeypatch.setattr(command, "load_run", lambda folder: SimpleNamespace(folder=folder, config=config))
     monkeypatch.setattr(command.load, "clip_features", lambda run: clip_features(np.random.default_rng(0))[::2])
-    monkeypatch.setattr(command, "POINTS_PER_GAIT", 20)
+    monkeypatch.setattr(command, "POINTS_PER_SKILL", 20)
     return write_metrics(write_evaluation(tmp_path / "outputs" / "one"), metrics(10))
 
 

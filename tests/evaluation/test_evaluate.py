@@ -30,6 +30,7 @@ SHORT = [
     "switching.orders=2",
     "switching.within_s=0.5",
     "switching.skill_s=1.5",
+    "video_skills=true",
     "video_s=0.2",
 ]
 CONDITIONS = "robustness.conditions=[{name: nominal},{name: loaded,payload_mass_kg: 3},{name: noise,noise: 1}]"

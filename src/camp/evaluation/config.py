@@ -90,7 +90,8 @@ class EvaluationConfig:
     switching: SwitchingConfig = field(default_factory=SwitchingConfig)
     robustness: RobustnessConfig = field(default_factory=RobustnessConfig)
     targets: TargetsConfig = field(default_factory=TargetsConfig)
-    video: bool = MISSING
+    video: bool = MISSING  # an mp4 of the switching sequence
+    video_skills: bool = MISSING  # beside it one of each skill
     video_command: int = MISSING  # index into commands
     video_s: float = MISSING
 

@@ -16,7 +16,7 @@ STEPS_PER_FRAME = 2  # 25 frames per second
 
 
 def film(judgement: Judgement, skills: Sequence[str], evaluation: EvaluationConfig, folder: Path) -> dict[str, Path]:
-    """An mp4 of each skill and of the switching sequence, by name; without OpenGL none, and a line that says so."""
+    """The mp4s that ``evaluation`` asks for, by name; without OpenGL none, and a line that says so."""
     try:
         renderer = RobotRenderer(go2.load_model())
     except CampError as error:
@@ -24,7 +24,7 @@ def film(judgement: Judgement, skills: Sequence[str], evaluation: EvaluationConf
         return {}
     folder.mkdir(exist_ok=True)
     films, grid, switching = {}, judgement.grid, judgement.switching
-    if grid is not None:
+    if grid is not None and evaluation.video_skills:
         steps = round(evaluation.video_s / grid.period_s)
         rows = {name: k * len(evaluation.commands) + evaluation.video_command for k, name in enumerate(skills)}
         films = {name: (grid.qpos[row, :steps], grid.period_s) for name, row in rows.items()}
