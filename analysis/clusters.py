@@ -93,7 +93,7 @@ def draw_clusters(clusters: Clusters) -> Figure:
         _scatter(right, clusters.position, clusters.cluster)
         right.set_title(f"K-means: adjusted Rand index {clusters.rand:.2f}, purity {clusters.purity:.0%}")
         handles, labels = left.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), markerscale=3)
+        figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 4), markerscale=3)
         figure.suptitle("Skill-discriminator features of expert transitions, t-SNE", fontsize=10)
     return figure
 

@@ -1,6 +1,6 @@
 """An exported policy in a bare control loop: MuJoCo, onnxruntime and the policy's own metadata.
 
-    python -m camp.deploy outputs/latest/policy.onnx --skill trot --command 0.6 0 0
+    python -m camp.deploy outputs/latest/policy.onnx --skill trot_3hz --command 0.6 0 0
 
 This is what a controller of the real robot does, with MuJoCo in the robot's place: `observe` and `walk` are the parts
 to carry over. Of camp it takes the robot's model file, and for the line it prints the measure of gaits.
