@@ -37,7 +37,7 @@ $(STAMP): pyproject.toml constraints.txt
 	"$(BIN)/python" -m pip install --quiet --no-compile --disable-pip-version-check -e '.[dev]' -c constraints.txt
 	@touch "$@"
 
-demo: setup ## watch the shipped policy: short evaluation, videos, figures (under 3 minutes)
+demo: setup ## the shipped policy: short evaluation, a video of all gaits, figures (under 3 minutes)
 	"$(BIN)/python" -m camp.evaluate run="$(POLICY)" suite=short $(ARGS)
 	"$(BIN)/python" -m analysis run="$(POLICY)"
 
@@ -67,5 +67,5 @@ bench: setup ## measure simulation, environment and training speed (sim=gpu, sim
 	"$(BIN)/python" -m camp.bench $(if $(sim),sim=$(sim)) $(ARGS)
 
 clean: ## remove the virtual environment, builds and caches (never outputs/)
-	rm -rf "$(VENV)" build dist .pytest_cache .ruff_cache .hypothesis
+	rm -rf "$(VENV)" build dist .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -not -path './outputs/*' -prune -exec rm -rf {} +

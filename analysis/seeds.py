@@ -17,7 +17,7 @@ from analysis.load import AnalysisError, evaluation_folder
 from camp.errors import CampError
 
 REPORT_FILE = "eval.json"
-SAME = ("variant", "parts", "duration_s", "discard_s")  # keys of eval.json in which compared runs agree
+SAME = ("variant", "iteration", "parts", "duration_s", "discard_s")  # keys of eval.json in which compared runs agree
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ def read_report(run: Path) -> dict[str, Any]:
     remedy = f"run `python -m camp.evaluate run={run}` first"
     try:
         report = json.loads(path.read_text(encoding="utf-8"))
-        for key in (*SAME, "seed", "iteration", "policies", "verdict"):
+        for key in (*SAME, "seed", "policies", "verdict"):
             report[key]
     except OSError as error:
         raise AnalysisError(f"'{path}' cannot be read ({error.strerror}): {remedy}") from error
@@ -66,12 +66,15 @@ def read_report(run: Path) -> dict[str, Any]:
 
 
 def check_comparable(reports: Sequence[dict[str, Any]]) -> None:
-    """Raises AnalysisError where the runs differ in more than their seed and what came of it."""
+    """Raises AnalysisError where the runs differ in what was trained or judged, as far as their reports tell."""
     for key in SAME:
         values = [report[key] for report in reports]
         if any(value != values[0] for value in values):
             listed = ", ".join(str(value) for value in values)
             raise AnalysisError(f"the runs differ in {key} ({listed}): compare seeds of one variant, evaluated alike")
+    targets = [[(finding["name"], finding["target"]) for finding in report["verdict"]] for report in reports]
+    if any(one != targets[0] for one in targets):
+        raise AnalysisError("the runs were judged by different targets: evaluate them alike")
     seeds = [report["seed"] for report in reports]
     if len(set(seeds)) < len(seeds):
         raise AnalysisError(f"the runs have the seeds {', '.join(map(str, seeds))}: give one run of each")

@@ -158,7 +158,6 @@ def test_input_that_cannot_be_used_is_one_line(policy, run, capfd, arguments, me
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not SHIPPED.is_dir(), reason="no policy is shipped at src/camp/assets/policies/go2_camp yet")
 def test_the_shipped_policy_performs_its_gaits_in_the_bare_loop(tmp_path):
     loaded = load_run(SHIPPED)
     report = json.loads((SHIPPED / "eval.json").read_text())

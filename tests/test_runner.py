@@ -74,6 +74,16 @@ def test_resumed_run_equals_an_uninterrupted_one(imitating, busy, tmp_path):
         assert torch.equal(weights, other["ppo"]["actor"][name]), name
 
 
+def test_looking_more_often_changes_nothing(busy, tmp_path):
+    weights = []
+    for every in (1, 100):
+        folder = tmp_path / str(every)
+        folder.mkdir()
+        busy.run.gait_every, busy.run.iterations = every, 3
+        weights.append(run_for(busy, folder).training.ppo.actor.state_dict())
+    assert all(torch.equal(value, weights[1][name]) for name, value in weights[0].items())
+
+
 def test_other_seeds_give_other_runs(busy, tmp_path):
     folders = [tmp_path / "a", tmp_path / "b"]
     for seed, folder in enumerate(folders):

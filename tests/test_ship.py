@@ -195,6 +195,10 @@ def test_results_of_a_shipped_policy_go_elsewhere(tmp_path, monkeypatch):
     assert results_folder(Path("go2_camp")) == Path("outputs/go2_camp")
 
 
+def test_a_policy_is_shipped():
+    assert (policies_root() / "go2_camp" / "config.yaml") in SHIPPED
+
+
 @pytest.mark.parametrize("config", SHIPPED, ids=lambda path: path.parent.name)
 def test_every_policy_in_the_package_can_be_loaded(config):
     shipped = load_run(config.parent)

@@ -35,14 +35,15 @@ def alarms_of(config: Config) -> list[Alarm]:
             "style_blind",
             lambda m: m.get("prior/style/accuracy", 1.0) < 0.55,
             50,
-            "the style discriminator tells nothing apart: more algo.style.updates, a higher algo.style.learning_rate "
-            "or a lower algo.style.gradient_penalty",
+            "the style discriminator tells nothing apart: unless the policy moves as the expert does, more "
+            "algo.style.updates, a higher algo.style.learning_rate or a lower algo.style.gradient_penalty",
         ),
         Alarm(
             "skills_merged",
             lambda m: m.get("prior/style/embedding_similarity", 0.0) > 0.9,
             20,
-            "two skills have nearly the same embedding: algo.style.mismatch_share=0.5",
+            "two skills have nearly the same embedding: more algo.style.mismatch_share (0.5 in run=quick) or a lower "
+            "algo.style.learning_rate",
         ),
         Alarm(
             "skill_blind",

@@ -140,7 +140,7 @@ def build_training(config: Config) -> Training:
 
 
 # Of the learner's random streams those that differ between ranks.
-_OWN_STREAMS = ("policy", "minibatches", "priors", "imitation")
+_OWN_STREAMS = ("policy", "minibatches", "priors", "imitation", "readings")
 
 
 def share_of_rank(config: Config) -> Config:

@@ -82,7 +82,7 @@ class MotionConfig:
     mirrored: bool = MISSING  # also the left-right mirror image of every clip
     num_preloaded: int = MISSING  # transitions
     perturbed_folder: str | None = MISSING  # None: one below <output_dir>/motions
-    perturbed_clips: int = MISSING  # for the warm start by imitation
+    perturbed_clips: int = MISSING  # for imitation
 
     def skill_set(self) -> tuple[Skill, ...]:
         """The skills in label order."""
@@ -113,7 +113,7 @@ class RunConfig:
     checkpoint_every: int = MISSING  # iterations
     checkpoints_kept: int = MISSING
     gait_window_s: float = MISSING  # of foot contacts that a live gait reading looks at
-    gait_every: int = MISSING  # iterations between live gait readings
+    gait_every: int = MISSING  # iterations between live readings of gaits and of the style discriminator's logits
 
     def check(self) -> None:
         for name in ("iterations", "rollout_steps", "checkpoint_every", "checkpoints_kept", "gait_every"):

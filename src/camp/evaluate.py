@@ -19,6 +19,7 @@ from camp.evaluation.judge import Judge, Judgement
 from camp.evaluation.record import log_evaluation
 from camp.evaluation.rollout import Policy
 from camp.evaluation.tables import printed
+from camp.errors import ConfigError
 from camp.files import whole_file, write_text
 from camp.paths import results_folder
 from camp.robots import go2
@@ -66,8 +67,12 @@ def _heading(run: Run, folder: Path, evaluation: EvaluationConfig) -> dict:
 
 def _write(folder: Path, report: dict, judgement: Judgement) -> None:
     write_text(folder / "eval.json", json.dumps(report, indent=2, allow_nan=False) + "\n")
-    with whole_file(folder / "eval.npz") as file:
-        np.savez_compressed(file, allow_pickle=False, **judgement.arrays)  # pyright: ignore[reportArgumentType]
+    arrays = folder / "eval.npz"
+    try:
+        with whole_file(arrays) as file:
+            np.savez_compressed(file, allow_pickle=False, **judgement.arrays)  # pyright: ignore[reportArgumentType]
+    except OSError as error:
+        raise ConfigError(f"file {arrays}: {error.strerror or error}; free some space") from error
 
 
 if __name__ == "__main__":

@@ -176,9 +176,10 @@ class Runner:
         readings: dict[str, Metric] = {**self.monitor.read()}
         for prior in training.priors:
             if isinstance(prior, WithHistograms):
-                readings |= prior.histograms(
-                    rollout.transitions(), training.demonstrations, training.generators["priors"]
-                )
+                generator = training.generators[
+                    "readings"
+                ]  # its own: how often one looks must not change what is learned
+                readings |= prior.histograms(rollout.transitions(), training.demonstrations, generator)
         return readings
 
     def _reward_metrics(self, terms: dict[str, Tensor], rollout: Rollout) -> dict[str, float]:

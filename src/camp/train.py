@@ -143,7 +143,7 @@ def _preloaded(training: Training) -> str:
 
 def _check_ranks(checkpoint: dict, folder: Path) -> None:
     """Every rank continues its own episodes and random streams, so there must be as many as when it was saved."""
-    if "ranks" not in checkpoint:
+    if not {"ranks", "alarms"} <= checkpoint.keys():
         raise CheckpointError(
             f"run folder {folder}: its checkpoint is of an earlier camp, which can be evaluated but not continued; "
             "continue it with the commit in its versions.json, or train anew"

@@ -6,11 +6,12 @@ import contextlib
 import hashlib
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from rich.progress import Progress, track
 
-from camp import motion
+from camp import distributed, motion
 from camp.algo.imitation import ImitationLoss, imitate
 from camp.build import Training
 from camp.config import Config
@@ -45,13 +46,15 @@ def warm_start(training: Training, config: Config) -> list[dict[str, float]]:
 def keep_imitating(training: Training, config: Config) -> None:
     """Add the imitation loss to PPO's on this rank, where ``algo.imitation.ppo_weight`` asks for it.
 
-    Uses the perturbed clips of the warm start. Raises ClipError where too few can be had.
+    Uses the perturbed clips of the warm start; ranks share ``algo.imitation.batch_size``. Raises ClipError where too
+    few can be had, ConfigError where the ranks cannot share it equally.
     """
     imitation = config.algo.imitation
     if imitation.ppo_weight == 0.0:
         return
     data = imitation_data(perturbed_clips(config), config, training.device)
-    training.ppo.auxiliary_loss = ImitationLoss(data, imitation, training.generators["imitation"])
+    own = replace(imitation, batch_size=distributed.share("algo.imitation.batch_size", imitation.batch_size))
+    training.ppo.auxiliary_loss = ImitationLoss(data, own, training.generators["imitation"])
 
 
 def perturbed_clips(config: Config) -> list[Clip]:

@@ -61,6 +61,8 @@ def test_tables_in_order_of_the_seeds(tmp_path, capsys):
     [
         (report(1, 1.0, 0.1, variant="no_skill_obs"), "differ in variant (camp, no_skill_obs)"),
         (report(1, 1.0, 0.1, duration_s=6.0), "differ in duration_s (10.0, 6.0)"),
+        (report(1, 1.0, 0.1, iteration=200), "differ in iteration (400, 200)"),
+        (report(1, 1.0, 0.1, verdict=[]), "judged by different targets"),
         (report(0, 1.0, 0.1), "seeds 0, 0"),
     ],
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import time
+import timeit
 
 import numpy as np
 import pytest
@@ -163,10 +163,7 @@ def test_sequences_are_measured_independently(grid):
 
 def test_live_in_training_it_costs_little():
     contact = np.random.default_rng(3).random((256, 100, 4)) < 0.5
-    measure_gait(contact, PERIOD)
-    start = time.perf_counter()
-    measure_gait(contact, PERIOD)
-    assert time.perf_counter() - start < 0.1
+    assert min(timeit.repeat(lambda: measure_gait(contact, PERIOD), number=1, repeat=5)) < 0.1
 
 
 def test_pair_phase_errors_by_hand():

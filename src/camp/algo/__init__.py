@@ -1,1 +1,1 @@
-"""CAMP's learning parts: PPO, the conditional style prior, the skill prior and the imitation warm start."""
+"""CAMP's learning parts: PPO, the conditional style prior, the skill prior and imitation."""

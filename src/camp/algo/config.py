@@ -149,10 +149,10 @@ class SkillConfig:
 
 @dataclass
 class ImitationConfig:
-    """Supervised warm start on the expert's answers; 0 epochs: from scratch, as in the paper."""
+    """Supervised regression on the expert's answers, before PPO and beside it; 0 epochs: neither, as in the paper."""
 
     epochs: int = MISSING  # passes over the pairs; 0 = no warm start
-    batch_size: int = MISSING  # pairs per step
+    batch_size: int = MISSING  # pairs per step, and per minibatch of PPO with ppo_weight
     learning_rate: float = MISSING  # Adam, start of the cosine
     last_action_noise: float = MISSING  # std on the last-action input, action units
     ppo_weight: float = MISSING  # of the same loss beside PPO's; 0 = imitation before PPO alone
@@ -167,7 +167,7 @@ class ImitationConfig:
             self.epochs > 0 or self.ppo_weight == 0.0,
             "algo.imitation.ppo_weight",
             self.ppo_weight,
-            "set it to 0 without imitation (algo.imitation.epochs=0)",
+            "set it to 0 without imitation (algo.imitation.epochs=0), or choose run=scratch",
         )
 
 

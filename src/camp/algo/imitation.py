@@ -62,7 +62,7 @@ def imitate(
 class ImitationLoss:
     """Holds what imitation has taught while PPO improves it: the same loss, weighted, on a fresh batch at every call.
 
-    PPO's own samples soon show only what the policy does, and nothing in the rewards holds it to the expert's stride
+    PPO's own samples soon show only what the policy does, and the rewards hardly hold it to the expert's stride
     frequency; pairs of the expert beside them do (DAPG, Rajeswaran et al. 2018, there with a decaying weight).
     """
 
