@@ -13,13 +13,13 @@ from rich.console import Console
 
 from camp.build import Run, build_actor, load_run
 from camp.cli import run_hydra
+from camp.errors import ConfigError
 from camp.evaluation.config import EvaluationConfig, resolve_evaluation
 from camp.evaluation.films import film
 from camp.evaluation.judge import Judge, Judgement
 from camp.evaluation.record import log_evaluation
 from camp.evaluation.rollout import Policy
 from camp.evaluation.tables import printed
-from camp.errors import ConfigError
 from camp.files import whole_file, write_text
 from camp.paths import results_folder
 from camp.robots import go2
