@@ -159,21 +159,22 @@ def test_input_that_cannot_be_used_is_one_line(policy, run, capfd, arguments, me
 
 @pytest.mark.slow
 def test_the_shipped_policy_performs_its_gaits_in_the_bare_loop(tmp_path):
+    """A third of the evaluation's commands; all 104 walks agree, too (docs/deployment.md)."""
     loaded = load_run(SHIPPED)
     report = json.loads((SHIPPED / "eval.json").read_text())
     policy, period = deploy.Policy(export_policy(SHIPPED, tmp_path).model), loaded.config.env.control_period_s
     with np.load(SHIPPED / "eval.npz", allow_pickle=False) as arrays:
-        commands = arrays["commands"].tolist()
+        commands, evaluated = arrays["commands"].tolist(), arrays["performed"]
     first, skills = round(report["discard_s"] / period), loaded.config.motion.skill_set()
-    right = []
-    for skill in loaded.skills:
-        labels = []
-        for command in commands:
-            done = deploy.walk(policy, skill, command, report["duration_s"])
+    right, differing = [], []
+    for k, skill in enumerate(loaded.skills):
+        for g in range(0, len(commands), 3):
+            done = deploy.walk(policy, skill, commands[g], report["duration_s"])
             gait = measure_gait(done.contact[None, first:], period)
-            labels.append("fell" if done.fell else performed(gait.label, gait.frequency_hz, skills)[0])
-        expected = report["policies"]["trained"]["confusion"][skill]
-        moved = sum(abs(labels.count(label) - count) for label, count in expected.items()) / 2
-        assert moved <= 1, (skill, labels, expected)  # a label on the edge may flip
-        right.append(labels.count(skill) / len(labels))
-    assert abs(np.mean(right) - report["policies"]["trained"]["all"]["gait_accuracy"]) <= 0.02
+            label = "fell" if done.fell else performed(gait.label, gait.frequency_hz, skills)[0]
+            right.append((label == skill, evaluated[k, g] == skill))
+            if label != evaluated[k, g]:
+                differing.append((skill, commands[g], label))
+    assert len(differing) <= 1, differing  # a label on the edge may flip
+    in_the_loop, in_the_evaluation = np.mean(right, axis=0)
+    assert abs(in_the_loop - in_the_evaluation) <= 0.025
