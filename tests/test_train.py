@@ -180,7 +180,7 @@ def wait_for_checkpoint(folder: Path, process: subprocess.Popen, iteration: int)
     pytest.fail(f"no checkpoint of iteration {iteration}; exit code {process.poll()}")
 
 
-MANY = 60  # iterations: more than pass until a poller has seen the third
+MANY = 40  # iterations: more than pass until a poller has seen the third
 LONG = ["run=smoke", *TINY, QUIET, f"run.iterations={MANY}", "run.checkpoint_every=1", f"run.checkpoints_kept={MANY}"]
 
 
