@@ -4,6 +4,7 @@ paths. Those of a shipped policy go into outputs/<its name>/figures."""
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,8 @@ from analysis.contacts import compute_diagram, draw_diagram
 from analysis.dtw import compute_distances, draw_distances
 from analysis.style import save
 from analysis.training import compute_curves, draw_curves
+from camp.arguments import run_command
 from camp.build import load_run
-from camp.errors import CampError
 from camp.paths import policies_root, results_folder
 
 SEED = 0
@@ -49,7 +50,7 @@ def figures_folder(folder: Path) -> Path:
     return results_folder(folder) / "figures"
 
 
-def run_folder(arguments: list[str]) -> Path:
+def run_folder(arguments: Sequence[str]) -> Path:
     """The folder of `run=<folder>`, or the newest evaluated run below outputs/ without arguments."""
     if not arguments:
         newest = load.newest_run(Path("outputs"))
@@ -64,22 +65,23 @@ def run_folder(arguments: list[str]) -> Path:
     return folder
 
 
-def main(arguments: list[str]) -> int:
-    """Draw the figures; returns the exit code, 2 where a line on stderr says what is missing.
+def draw_figures(arguments: Sequence[str]) -> None:
+    """Draw all figures and print their paths. Raises CampError where something is missing.
 
     Learning curves come first: they need no evaluation.
     """
+    folder = run_folder(arguments)
     try:
-        folder = run_folder(arguments)
         for draw in (draw_training, draw_contacts, draw_latent_space):
             for path in draw(folder):
                 print(path)
     except load.NoLatentSpaceError as absent:
         print(f"clusters.png and dtw.png left out: {absent}", file=sys.stderr)
-    except CampError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    return 0
+
+
+def main(arguments: list[str]) -> int:
+    """Draw the figures; returns the exit code, 2 where a line on stderr says what is missing."""
+    return run_command(draw_figures, arguments, __doc__)
 
 
 if __name__ == "__main__":

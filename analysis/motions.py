@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 from analysis.contacts import FEET, spans
 from analysis.load import AnalysisError
 from analysis.style import GAIT_COLOURS, INK, new_figure, save, style
-from camp.errors import CampError
+from camp.arguments import run_command
 from camp.motion.clips import Clip, load_clip
 from camp.motion.consistency import rotation_matrix
 from camp.motion.gaits import GAIT_PHASES, GRID_STEPS
@@ -171,17 +172,17 @@ def _clip(folder: Path, name: str) -> Clip:
     return load_clip(path)
 
 
-def main(arguments: list[str]) -> int:
-    """Draw the figures; returns the exit code, 2 where a line on stderr says what is missing."""
+def draw_all(arguments: Sequence[str]) -> None:
+    """Draw the figures and print their paths. Raises AnalysisError, ClipError."""
     folder = Path(arguments[0]) if arguments else assets_root() / "motions" / "go2"
     target = Path(arguments[1]) if len(arguments) > 1 else Path("docs/motions")
-    try:
-        for path in draw_motions(folder, target):
-            print(path)
-    except CampError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    return 0
+    for path in draw_motions(folder, target):
+        print(path)
+
+
+def main(arguments: list[str]) -> int:
+    """Draw the figures; returns the exit code, 2 where a line on stderr says what is missing."""
+    return run_command(draw_all, arguments, __doc__)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from analysis.load import AnalysisError, evaluation_folder
-from camp.errors import CampError
+from camp.arguments import run_command
+from camp.evaluation.verdict import Finding
 
 REPORT_FILE = "eval.json"
 SAME = ("variant", "iteration", "parts", "duration_s", "discard_s")  # keys of eval.json in which compared runs agree
@@ -44,10 +45,7 @@ class TargetRow:
     @property
     def met(self) -> int:
         """How many seeds met the target."""
-        return sum(
-            value is not None and (value >= self.target if self.at_least else value <= self.target)
-            for value in self.reached
-        )
+        return sum(Finding(self.name, self.target, value, self.at_least).met for value in self.reached)
 
 
 def read_report(run: Path) -> dict[str, Any]:
@@ -119,19 +117,19 @@ def _figure(value: float | None, digits: int = 3) -> str:
     return "-" if value is None else f"{value:.{digits}f}"
 
 
+def print_tables(arguments: Sequence[str]) -> None:
+    """Print the tables of the run folders, in order of their seeds. Raises AnalysisError."""
+    reports = [read_report(Path(argument.removeprefix("run="))) for argument in arguments]
+    check_comparable(reports)
+    print(as_markdown(sorted(reports, key=lambda report: report["seed"])))
+
+
 def main(arguments: list[str]) -> int:
     """Print the tables; returns the exit code, 2 where a line on stderr says what is missing."""
-    if not arguments or {"-h", "--help"} & set(arguments):
+    if not arguments:
         print(__doc__)
-        return 0 if arguments else 2
-    try:
-        reports = [read_report(Path(argument.removeprefix("run="))) for argument in arguments]
-        check_comparable(reports)
-        print(as_markdown(sorted(reports, key=lambda report: report["seed"])))
-    except CampError as error:
-        print(f"error: {error}", file=sys.stderr)
         return 2
-    return 0
+    return run_command(print_tables, arguments, __doc__)
 
 
 if __name__ == "__main__":
