@@ -2,36 +2,34 @@
 
 from __future__ import annotations
 
-import os
-import socket
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import torch
-import torch.multiprocessing as mp
+from torch.distributed.launcher.api import LaunchConfig, elastic_launch
 
 from camp import distributed
 
 
 def in_ranks(work: Callable[[], Any], folder: Path, number: int = 2) -> list[Any]:
     """What ``work`` (a function of a module) returns on each of ``number`` ranks; through files in ``folder``."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    mp.spawn(_work, args=(work, folder, number, port), nprocs=number)  # type: ignore[attr-defined]
+    # As `torchrun --standalone` does it: port 0 is a free one, held from the moment it is chosen.
+    launch = LaunchConfig(
+        1, 1, number, run_id=folder.name, rdzv_backend="c10d", rdzv_endpoint="localhost:0", max_restarts=0
+    )
+    elastic_launch(launch, _work)(work, folder)
     return [torch.load(folder / f"{rank}.pt", weights_only=True) for rank in range(number)]
 
 
-def _work(rank: int, work: Callable[[], Any], folder: Path, number: int, port: int) -> None:
+def _work(work: Callable[[], Any], folder: Path) -> None:
     torch.set_num_threads(1)
-    os.environ |= {
-        "RANK": str(rank),
-        "WORLD_SIZE": str(number),
-        "LOCAL_RANK": str(rank),
-        "LOCAL_WORLD_SIZE": str(number),
-        "MASTER_ADDR": "127.0.0.1",
-        "MASTER_PORT": str(port),
-    }
     with distributed.join():
-        torch.save(work(), folder / f"{rank}.pt")
+        torch.save(work(), folder / f"{distributed.rank()}.pt")
+    left = [name for name in _threads() if "gloo" in name]
+    assert not left, f"threads of the process group outlive it, and may abort the process at its end: {left}"
+
+
+def _threads() -> list[str]:
+    """Names of this process's threads; none where the system does not tell."""
+    return [comm.read_text().strip() for comm in Path("/proc/self/task").glob("*/comm")]

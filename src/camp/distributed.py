@@ -15,6 +15,10 @@ from typing import Any, TypeVar
 
 import torch
 import torch.distributed as dist
+
+# torch imports this one lazily. After `join`, the defaults of its functions would hold the group beyond
+# `destroy_process_group`, and its threads would live into the interpreter's end, where they can abort the process.
+import torch.distributed.nn
 from torch import Tensor, nn
 
 from camp.checkpoint import copied
