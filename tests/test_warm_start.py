@@ -35,6 +35,13 @@ def test_clips_are_made_once_and_imitated(warm, tmp_path):
     assert len(metrics) == 10 and metrics[-1]["imitation/loss"] < before
     assert len(perturbed_clips(warm)) == 1
     assert clip.stat().st_mtime_ns == written
+
+    warm.motion.mirrored = True
+    both = imitation_data(perturbed_clips(warm), warm, torch.device("cpu"))
+    own, image = both.action.split(len(data.action))
+    assert torch.equal(own, data.action)
+    assert torch.equal(image[:, 1], own[:, 4]), "the left thigh of the image is the right one's"
+
     clip.unlink()
     (tmp_path / "failed.txt").write_text(f"{clip.stem}\n")
     with pytest.raises(ClipError, match="0 of 1"):

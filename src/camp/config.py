@@ -79,7 +79,7 @@ class MotionConfig:
     skills: list[str] = MISSING  # gaits
     labels: str = MISSING  # gait: a skill is a gait; gait_frequency: a gait at one stride frequency
     frequencies_hz: list[float] = MISSING  # stride frequencies of the clips that are used
-    mirrored: bool = MISSING  # also the left-right mirror image of every clip
+    mirrored: bool = MISSING  # also the left-right mirror image of every clip, perturbed ones too
     num_preloaded: int = MISSING  # transitions
     perturbed_folder: str | None = MISSING  # None: one below <output_dir>/motions
     perturbed_clips: int = MISSING  # for imitation

@@ -19,6 +19,7 @@ from camp.errors import ClipError
 from camp.imitation_data import imitation_data
 from camp.motion.clips import Clip, load_clip
 from camp.motion.generate import generate_dataset
+from camp.motion.mirror import mirrored
 from camp.motion.requests import ClipRequest, perturbed_requests
 from camp.robots import go2
 from camp.seeding import generator
@@ -58,7 +59,10 @@ def keep_imitating(training: Training, config: Config) -> None:
 
 
 def perturbed_clips(config: Config) -> list[Clip]:
-    """The clips of conf/motion's ``perturbed_folder``, after generating the missing ones."""
+    """The clips of conf/motion's ``perturbed_folder``, after generating the missing ones.
+
+    With ``motion.mirrored`` each is followed by its mirror image.
+    """
     wanted = config.motion
     cells = [(gait, frequency) for gait in wanted.skills for frequency in wanted.frequencies_hz]
     requests = perturbed_requests(wanted.perturbed_clips, PERTURBED_SEED, cells)
@@ -74,7 +78,8 @@ def perturbed_clips(config: Config) -> list[Clip]:
             f"camp.dataset perturbed --count {wanted.perturbed_clips} --seed {PERTURBED_SEED} --folder {folder}`, "
             "or train with run=scratch"
         )
-    return [load_clip(path) for path in made]
+    clips = [load_clip(path) for path in made]
+    return [image for clip in clips for image in (clip, mirrored(clip))] if wanted.mirrored else clips
 
 
 def _generate_missing(requests: list[ClipRequest], folder: Path) -> None:
