@@ -45,4 +45,6 @@ def test_only_what_was_evaluated_is_judged():
     alone = verdict({"policies": {"trained": GRID}})
     assert "switches established" not in alone and alone["falls per 100 episodes"] == (2.0, False)
     assert alone["joint tracking, thigh"] == (0.92, True)
+    one_gait = SWITCHING | {"established": None}
+    assert "switches established" not in verdict({"policies": {"trained": GRID}, "switching": one_gait})
     assert verdict({}) == {}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,30 +19,51 @@ EXPERTS_ASKED = 32  # clips, of all skills together, whose own nearest neighbour
 LEAST_SCALE = 1e-3  # of an entry that hardly varies among the clips
 
 
+@dataclass(frozen=True)
+class _Motion:
+    window: np.ndarray  # (T, S) AMP states
+    command: np.ndarray  # (3,) or, where it changes, (T, 3)
+
+    def nearest(self, demonstrations: Sequence[_Motion], scale: np.ndarray) -> float:
+        """DTW distance to the nearest demonstration of another command; nan where there is none."""
+        others = [other.window for other in demonstrations if not _same(self.command, other.command)]
+        return nearest_distance(self.window, others, scale)
+
+
 def summarize_style(reading: GridReading, skills: Sequence[Skill], clips: Sequence[Clip]) -> dict[str, Any]:
     """Mean DTW distance of AMP states to the nearest clip, see `camp.metrics.style.dtw_distance`, per skill.
 
     policy: of the roll-outs that stayed upright, to the clips of the commanded skill; expert_same_skill: of the
-    skill's clips, each to the nearest other one; expert_other_skill: of the same clips to the nearest of any other
-    skill. The unit is the standard deviation of each entry over all clips. Clips of one held command count or, where
-    a skill has none, all of its clips.
+    skill's clips to each other; expert_other_skill: of the same clips to those of all other skills. Only clips of
+    another command are compared: the grid repeats commands of the clips, and the expert has but one motion for each.
+    The unit is the standard deviation of each entry over all clips. Clips of one held command count or, where a skill
+    has none, all of its clips.
     """
     scale = np.maximum(np.concatenate([amp_state(clip) for clip in clips]).std(axis=0), LEAST_SCALE)
-    windows = [[_of_clip(clip) for clip in _clips_of(skill, clips)] for skill in skills]
+    demonstrations = [[_of_clip(clip) for clip in _clips_of(skill, clips)] for skill in skills]
     asked = max(1, EXPERTS_ASKED // len(skills))
     result = {}
     for label, skill in enumerate(skills):
-        own = windows[label]
-        others = [window for k, group in enumerate(windows) if k != label for window in group]
+        own = demonstrations[label]
+        others = [motion for k, group in enumerate(demonstrations) if k != label for motion in group]
         chosen = np.unique(np.linspace(0, len(own) - 1, min(asked, len(own))).round().astype(int))
+        experts = [own[i] for i in chosen]
         rows = np.flatnonzero((reading.wanted == label) & ~reading.fallen).tolist()
-        same = [nearest_distance(own[i], [*own[:i], *own[i + 1 :]], scale) for i in chosen]
+        robots = [_of_robot(reading, row) for row in rows]
         result[skill.name] = {
-            "policy": mean(np.array([nearest_distance(_of_robot(reading, row), own, scale) for row in rows])),
-            "expert_same_skill": mean(np.array(same)),
-            "expert_other_skill": mean(np.array([nearest_distance(own[i], others, scale) for i in chosen])),
+            "policy": _mean_nearest(robots, own, scale),
+            "expert_same_skill": _mean_nearest(experts, own, scale),
+            "expert_other_skill": _mean_nearest(experts, others, scale),
         }
     return result
+
+
+def _mean_nearest(motions: Sequence[_Motion], demonstrations: Sequence[_Motion], scale: np.ndarray) -> float | None:
+    return mean(np.array([motion.nearest(demonstrations, scale) for motion in motions]))
+
+
+def _same(first: np.ndarray, second: np.ndarray) -> bool:
+    return first.shape == second.shape and np.allclose(first, second, atol=1e-6)
 
 
 def _clips_of(skill: Skill, clips: Sequence[Clip]) -> list[Clip]:
@@ -49,14 +71,16 @@ def _clips_of(skill: Skill, clips: Sequence[Clip]) -> list[Clip]:
     return [clip for clip in own if clip.is_steady] or own
 
 
-def _of_clip(clip: Clip) -> np.ndarray:
-    return stride_window(amp_state(clip).astype(np.float64), clip.foot_contact, _rows(clip.frequency_hz, clip.dt))
+def _of_clip(clip: Clip) -> _Motion:
+    rows = _rows(clip.frequency_hz, clip.dt)
+    return _Motion(stride_window(amp_state(clip).astype(np.float64), clip.foot_contact, rows), clip.command)
 
 
-def _of_robot(reading: GridReading, row: int) -> np.ndarray:
+def _of_robot(reading: GridReading, row: int) -> _Motion:
     recording = reading.recording
     rows = _rows(reading.gait.frequency_hz[row], recording.period_s)
-    return stride_window(recording.amp_state[row].astype(np.float64), recording.contact[row], rows)
+    window = stride_window(recording.amp_state[row].astype(np.float64), recording.contact[row], rows)
+    return _Motion(window, reading.command[row])
 
 
 def _rows(frequency_hz: float, period_s: float) -> int:

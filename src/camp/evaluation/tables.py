@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -152,7 +153,8 @@ def _table(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
 
 
 def _percent(value: float | None) -> str:
-    return _cell(value, ".0%")
+    """Whole percent, rounded down: 100 % is what has no exception."""
+    return "-" if value is None else f"{math.floor(100.0 * value + 1e-9)}%"
 
 
 def _cell(value: float | None, form: str) -> str:

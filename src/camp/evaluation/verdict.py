@@ -40,7 +40,7 @@ def judge_targets(report: dict[str, Any], targets: TargetsConfig) -> list[Findin
         accuracy = {name: part["gait_accuracy"] for name, part in trained["skills"].items()}
         weakest = min(accuracy, key=lambda name: accuracy[name])
         findings.append(Finding("gait accuracy", targets.gait_accuracy, accuracy[weakest], True, f"weakest: {weakest}"))
-    if switching is not None:
+    if switching is not None and switching["established"] is not None:  # one gait alone has nothing to switch to
         share, note = switching["established"], f"within {switching['within_s']:g} s"
         findings.append(Finding("switches established", targets.switches_established, share, True, note))
     findings += _falls(trained, switching, targets.falls_per_100_episodes)

@@ -79,7 +79,7 @@ def joint_tracking_accuracy(target: Array, actual: Array) -> Array:
     measures only an error relative to the joint's angle can give such numbers: the project's expert clips
     reach .88 and .90. It fits, too, that the paper leaves out the hips, whose angle is near 0, where a
     relative error means nothing, here neither. Use it to compare with the paper only: a robot that stands
-    still scores .83 and .91, while `joint_tracking_of_range` gives it 0.
+    still scores .89 and .91, while `joint_tracking_of_range` gives it 0.
     """
     return _accuracy(target, actual, np.abs(np.asarray(actual, dtype=np.float64)).mean(axis=-2))
 
