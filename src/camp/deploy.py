@@ -223,7 +223,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = _Parser(prog="python -m camp.deploy", description="Run an exported policy in MuJoCo.")
     parser.add_argument("policy", type=Path, help="policy.onnx, which camp.export writes")
     parser.add_argument("--skill", required=True, help="one of the policy's skills (policy.json lists them)")
-    parser.add_argument("--command", type=float, nargs=3, metavar=("VX", "VY", "WZ"), default=(0.6, 0.0, 0.0))
+    parser.add_argument(
+        "--command",
+        type=float,
+        nargs=3,
+        metavar=("VX", "VY", "WZ"),
+        default=(0.6, 0.0, 0.0),
+        help="m/s forward, m/s to the left, rad/s to the left (default: 0.6 0 0)",
+    )
     parser.add_argument("--seconds", type=float, default=10.0, help="at least 4 (default: %(default)s)")
     try:
         options = parser.parse_args(arguments)
