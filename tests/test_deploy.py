@@ -182,7 +182,8 @@ def test_input_that_cannot_be_used_is_one_line(policy, run, capfd, arguments, me
         ("observation", '[{"name": "gravity", "size": 3}]', "maps [('obs', [49]), ('joint_target', [12])]"),
         ("control_period", "0.022", "metadata control_period = 0.022: no multiple of the physics timestep, 0.005 s"),
         ("control_period", "0.001", "metadata control_period = 0.001: no multiple of the physics timestep, 0.005 s"),
-        ("control_period", "-0.02", "metadata control_period = -0.02: not a finite number above 0"),
+        ("control_period", "-0.02", "metadata control_period = -0.02: not in (0, 0.1] s"),
+        ("control_period", "60", "metadata control_period = 60: not in (0, 0.1] s"),
     ],
 )
 def test_metadata_that_cannot_be_used_are_one_line(policy, run, tmp_path, capfd, key, text, message):

@@ -11,6 +11,7 @@ from typing import Any
 from camp.errors import CampError
 from camp.robots.go2 import JOINT_NAMES, NUM_JOINTS
 
+LONGEST_PERIOD = 0.1  # s; a gait of 3 strides per second cannot be controlled, nor its contacts seen, more slowly
 ENTRY_SIZES = {
     "base_angular_velocity": 3,
     "gravity": 3,
@@ -67,7 +68,8 @@ def _texts(value: Any) -> bool:
 _EXPECTED = {
     "joint_names": (lambda v: _texts(v) and sorted(v) == sorted(JOINT_NAMES), "the robot's 12 joints"),
     **dict.fromkeys(("default_pose", "kp", "kd"), (_of_every_joint, f"{NUM_JOINTS} finite numbers")),
-    **dict.fromkeys(("action_scale", "control_period"), (_positive, "a finite number above 0")),
+    "action_scale": (_positive, "a finite number above 0"),
+    "control_period": (lambda v: _positive(v) and v <= LONGEST_PERIOD, f"in (0, {LONGEST_PERIOD:g}] s"),
     "skills": (_texts, "a list of names"),
     "observation": (lambda v: isinstance(v, list), "a list of entries"),
     "observe_skill": (lambda v: isinstance(v, bool), "true or false"),
