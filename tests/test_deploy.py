@@ -14,6 +14,7 @@ import pytest
 
 from camp import deploy
 from camp.build import load_run
+from camp.errors import CampError
 from camp.evaluation.plan import grid_plan
 from camp.evaluation.rollout import Recording, roll_out
 from camp.export import export_policy
@@ -22,7 +23,7 @@ from camp.motion.skills import performed
 from camp.paths import policies_root
 from tests.small_run import small_run
 
-pytest.importorskip("onnx", reason="comes with the export extra")
+onnx = pytest.importorskip("onnx", reason="comes with the export extra")
 pytest.importorskip("onnxruntime", reason="comes with the export extra")
 
 COMMANDS = [[0.6, 0.0, 0.0], [-0.2, 0.2, 0.5]]
@@ -129,6 +130,7 @@ def test_the_loop_needs_little_of_camp():
     assert {name for name in modules if name.startswith("camp")} == {
         "camp.errors",
         "camp.metrics.gait",
+        "camp.policy_metadata",
         "camp.robots.go2",
     }
 
@@ -149,6 +151,12 @@ def test_the_command_as_it_is_typed(policy, run):
         (["{run}/none.onnx", "--skill", "trot"], "none.onnx: not found; write it with `python -m camp.export"),
         (["{run}/config.yaml", "--skill", "trot"], "config.yaml: not a readable ONNX file; export it again"),
         (["{run}/policy.onnx", "--skill", "trot", "--seconds", "1"], "--seconds 1: choose 4 or more"),
+        (["{run}/policy.onnx", "--skill", "trot", "--seconds", "nan"], "--seconds nan: choose 4 or more"),
+        (["{run}/policy.onnx", "--skill", "trot", "--seconds", "inf"], "--seconds inf: choose 4 or more"),
+        (["{run}/policy.onnx", "--skill", "trot", "--command", "nan", "0", "0"], "--command nan 0.0 0.0: give three"),
+        (["{run}/policy.onnx", "--skill", "trot", "--command", "0", "inf", "0"], "--command 0.0 inf 0.0: give three"),
+        (["{run}/policy.onnx", "--skill", "trot", "--command", "0.6"], "--command: expected 3 arguments; see --help"),
+        (["{run}/policy.onnx"], "the following arguments are required: --skill; see --help"),
     ],
 )
 def test_input_that_cannot_be_used_is_one_line(policy, run, capfd, arguments, message):
@@ -157,24 +165,75 @@ def test_input_that_cannot_be_used_is_one_line(policy, run, capfd, arguments, me
     assert captured.err.startswith("error: ") and message in captured.err and captured.err.count("\n") == 1
 
 
+@pytest.mark.parametrize(
+    ("key", "text", "message"),
+    [
+        ("kp", None, "metadata kp: missing"),
+        ("kp", "30, 30", "metadata kp = '30, 30': not JSON"),
+        ("kp", "[30, 30]", "metadata kp = [30, 30]: not 12 finite numbers"),
+        ("kd", json.dumps([1.0] * 11 + [float("nan")]), "not 12 finite numbers"),
+        ("action_scale", "0", "metadata action_scale = 0: not a finite number above 0"),
+        ("joint_names", json.dumps(["FL_hip"] * 12), "not the robot's 12 joints"),
+        ("skills", "3", "metadata skills = 3: not a list of names"),
+        ("observe_skill", '"no"', "metadata observe_skill = 'no': not true or false"),
+        ("observation", "{}", "metadata observation = {}: not a list of entries"),
+        ("observation", '[{"name": "gyro", "size": 3}]', "not one of base_angular_velocity, gravity"),
+        ("observation", '[{"name": "gravity", "size": 4}]', "its size is not 3"),
+        ("observation", '[{"name": "gravity", "size": 3}]', "maps [('obs', [49]), ('joint_target', [12])]"),
+        ("control_period", "0.022", "metadata control_period = 0.022: no multiple of the physics timestep, 0.005 s"),
+        ("control_period", "0.001", "metadata control_period = 0.001: no multiple of the physics timestep, 0.005 s"),
+        ("control_period", "-0.02", "metadata control_period = -0.02: not in (0, 0.1] s"),
+        ("control_period", "60", "metadata control_period = 60: not in (0, 0.1] s"),
+    ],
+)
+def test_metadata_that_cannot_be_used_are_one_line(policy, run, tmp_path, capfd, key, text, message):
+    model = onnx.load(run / "policy.onnx")
+    properties = {entry.key: entry.value for entry in model.metadata_props} | {key: text}
+    onnx.helper.set_model_props(model, {name: value for name, value in properties.items() if value is not None})
+    onnx.save(model, tmp_path / "policy.onnx")
+    assert deploy.main([str(tmp_path / "policy.onnx"), "--skill", "trot"]) == 2
+    captured = capfd.readouterr()
+    assert captured.err.startswith("error: ") and message in captured.err and captured.err.count("\n") == 1
+
+
+def test_an_answer_that_is_no_number_is_an_error(run, tmp_path):
+    model = onnx.load(run / "policy.onnx")
+    bias = next(one for one in model.graph.initializer if one.name.endswith("bias"))
+    bias.CopyFrom(onnx.numpy_helper.from_array(np.full(bias.dims, np.nan, np.float32), bias.name))
+    onnx.save(model, tmp_path / "policy.onnx")
+    with pytest.raises(CampError, match="the policy's target for FL_hip_joint is not finite: its weights are damaged"):
+        deploy.walk(deploy.Policy(tmp_path / "policy.onnx"), "trot", COMMANDS[0], 0.1)
+
+
+def test_a_diverging_simulation_is_an_error(policy, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes a log
+    robot = deploy.Robot(policy.metadata)
+    robot.data.qvel[:] = np.nan
+    with pytest.raises(CampError, match="the robot's state is not finite: the simulation diverged"):
+        robot.hold(robot.joint_position)
+
+
 @pytest.mark.slow
 def test_the_shipped_policy_performs_its_gaits_in_the_bare_loop(tmp_path):
-    """A third of the evaluation's commands; all 104 walks agree, too (docs/deployment.md)."""
+    """Labels and stride frequencies, at every third of the evaluation's commands (docs/deployment.md has them all)."""
     loaded = load_run(SHIPPED)
     report = json.loads((SHIPPED / "eval.json").read_text())
     policy, period = deploy.Policy(export_policy(SHIPPED, tmp_path).model), loaded.config.env.control_period_s
     with np.load(SHIPPED / "eval.npz", allow_pickle=False) as arrays:
-        commands, evaluated = arrays["commands"].tolist(), arrays["performed"]
+        commands, evaluated, strides = arrays["commands"].tolist(), arrays["performed"], arrays["frequency_hz"]
     first, skills = round(report["discard_s"] / period), loaded.config.motion.skill_set()
-    right, differing = [], []
+    right, differing, deviations = [], [], []
     for k, skill in enumerate(loaded.skills):
         for g in range(0, len(commands), 3):
             done = deploy.walk(policy, skill, commands[g], report["duration_s"])
             gait = measure_gait(done.contact[None, first:], period)
             label = "fell" if done.fell else performed(gait.label, gait.frequency_hz, skills)[0]
             right.append((label == skill, evaluated[k, g] == skill))
-            if label != evaluated[k, g]:
+            if label == evaluated[k, g]:
+                deviations.append(abs(gait.frequency_hz[0] - strides[k, g]))
+            else:
                 differing.append((skill, commands[g], label))
     assert len(differing) <= 1, differing  # a label on the edge may flip
+    assert np.nanmax(deviations) <= 0.05  # Hz
     in_the_loop, in_the_evaluation = np.mean(right, axis=0)
     assert abs(in_the_loop - in_the_evaluation) <= 0.025

@@ -93,6 +93,11 @@ def test_metadata_are_those_of_the_robot(exported):
     assert found["kp"] == [30.0, 30.0, 40.0] * 4 and found["kd"] == [1.0] * 12
     assert found["action_scale"] == 0.25 and found["control_period"] == 0.02
     assert found["skills"] == ["trot", "pace", "bound", "pronk"] and found["observe_skill"] is True
+    assert found["command_range"] == {
+        "vx_m_s": [-0.4, 0.9],
+        "vy_m_s": [-0.25, 0.25],
+        "yaw_rate_rad_s": [-0.6, 0.6],
+    }
     assert found["camp_version"] == "0.1.0" and found["opset"] == 17
     assert found["observation"] == [
         {"name": "base_angular_velocity", "size": 3, "unit": "rad/s"},
@@ -132,6 +137,16 @@ def test_another_kind_of_layer_is_refused(loaded):
     targets = JointTargets(actor, 0.25)
     with pytest.raises(ExportError, match="layer 1 is a Tanh: only Linear and ELU"):
         policy_graph(actor, targets.default_pose, 0.25, {})
+
+
+def test_a_policy_that_answers_no_numbers_is_refused(run, loaded, tmp_path, monkeypatch):
+    broken = copy.deepcopy(loaded)
+    with torch.no_grad():
+        broken.actor.network[0].weight.fill_(float("nan"))
+    monkeypatch.setattr("camp.export.load_run", lambda folder: broken)
+    with pytest.raises(ExportError, match="its joint targets are not finite; export a run whose training held"):
+        export_policy(run, tmp_path / "never")
+    assert not (tmp_path / "never").exists()
 
 
 def test_a_missing_package_is_one_line_with_the_remedy(run, tmp_path, monkeypatch):

@@ -26,6 +26,9 @@ TROT = "motion.skills=[trot]"  # a quarter of the clips to load
 SHIPPED = sorted(policies_root().glob("*/config.yaml"))
 
 
+EVALUATION = {"iteration": 7, "policies": {"trained": {}}, "switching": {"established": 1.0}, "verdict": [{}]}
+
+
 def finish(run: Path, iterations: int = 7) -> Path:
     """Add what training and evaluation leave beside the checkpoints."""
     versions = {
@@ -46,7 +49,7 @@ def finish(run: Path, iterations: int = 7) -> Path:
     ]
     (run / "metrics.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
     (run / "imitation.jsonl").write_text("")
-    (run / "eval.json").write_text(json.dumps({"run": run.name, "iteration": 7}))
+    (run / "eval.json").write_text(json.dumps(EVALUATION))
     np.savez(run / "eval.npz", period=np.array(0.02))
     return run
 
@@ -156,7 +159,7 @@ def test_what_cannot_be_shipped_is_told_before_anything_is_written(run, tmp_path
     for copy in (unjudged, stale, foreign):
         shutil.copytree(run, copy)
     (unjudged / "eval.json").unlink()
-    (stale / "eval.json").write_text('{"iteration": 6}')
+    (stale / "eval.json").write_text(json.dumps(EVALUATION | {"iteration": 6}))
     config = (foreign / "config.yaml").read_text()
     shutil.copytree(paths.assets_root() / "motions" / "go2", tmp_path / "clips")
     (foreign / "config.yaml").write_text(config.replace("  folder: null", f"  folder: {tmp_path / 'clips'}"))
@@ -175,6 +178,52 @@ def test_what_cannot_be_shipped_is_told_before_anything_is_written(run, tmp_path
     assert list(target.iterdir()) == [] and not list(tmp_path.glob(".*"))
 
 
+@pytest.mark.parametrize(
+    ("file", "content", "message"),
+    [
+        ("eval.json", "{", "eval.json is no evaluation's report (Expecting"),
+        ("eval.json", "[7]", "eval.json is no evaluation's report (list indices"),
+        (
+            "eval.json",
+            '{"iteration": 7}',
+            "eval.json is of a partial evaluation, without policies; run `python -m camp.",
+        ),
+        ("eval.json", json.dumps(EVALUATION | {"switching": None}), "of a partial evaluation, without switching"),
+        ("eval.npz", "nothing", "eval.npz is damaged; run `python -m camp.evaluate run="),
+        ("imitation.jsonl", '{"loss": 1}\n{"lo', "imitation.jsonl: no learning curve (Unterminated"),
+        ("imitation.jsonl", "[1]\n", "imitation.jsonl: no learning curve ('list' object"),
+        ("imitation.jsonl", '{"loss": "much"}\n', "imitation.jsonl: no learning curve (Unknown format"),
+        ("metrics.jsonl", '{"iteration": 7}\n', "metrics.jsonl: hold no iteration"),
+        ("versions.json", "[]", "versions.json: missing or incomplete"),
+    ],
+)
+def test_a_damaged_record_is_one_line(run, tmp_path, capsys, file, content, message):
+    damaged = tmp_path / "run"
+    shutil.copytree(run, damaged)
+    (damaged / file).write_text(content)
+    assert run_command(ship, [f"run={damaged}", "name=mine", f"output={tmp_path / 'out'}"], "usage") == 2
+    captured = capsys.readouterr()
+    assert captured.err.startswith("error: ") and message in captured.err and captured.err.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_arrays_with_a_flipped_bit_are_damaged(run, tmp_path):
+    damaged = tmp_path / "run"
+    shutil.copytree(run, damaged)
+    content = bytearray((damaged / "eval.npz").read_bytes())
+    content[content.index(np.float64(0.02).tobytes())] ^= 1
+    (damaged / "eval.npz").write_bytes(content)
+    with pytest.raises(ConfigError, match=r"eval\.npz is damaged"):
+        ship_policy(damaged, tmp_path / "mine")
+
+
+def test_a_shipped_policy_is_not_shipped_again(shipped, tmp_path):
+    """Its card could not tell resumptions and times, which its condensed record no longer holds."""
+    with pytest.raises(ConfigError, match="small: is a shipped policy already; copy the folder"):
+        ship_policy(shipped, tmp_path / "again")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_the_command(run, tmp_path, capsys):
     assert run_command(ship, [f"run={run}", "name=mine", f"output={tmp_path}"], "usage") == 0
     assert "checkpoints/checkpoint_00000007.pt" in capsys.readouterr().out
@@ -183,6 +232,9 @@ def test_the_command(run, tmp_path, capsys):
     assert "name = '../up': choose one of letters" in capsys.readouterr().err
     assert run_command(ship, [f"run={run}", "name=new", "minutes=long"], "usage") == 2
     assert capsys.readouterr().err == "error: minutes = 'long': give a number\n"
+    for minutes in ("nan", "inf", "-5", "0"):
+        assert run_command(ship, [f"run={run}", "name=new", f"minutes={minutes}"], "usage") == 2
+        assert f"minutes = {float(minutes)}: choose a finite number above 0" in capsys.readouterr().err
 
 
 def test_results_of_a_shipped_policy_go_elsewhere(tmp_path, monkeypatch):

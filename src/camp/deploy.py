@@ -3,18 +3,19 @@
     python -m camp.deploy outputs/latest/policy.onnx --skill trot_3hz --command 0.6 0 0
 
 This is what a controller of the real robot does, with MuJoCo in the robot's place: `observe` and `walk` are the parts
-to carry over. Of camp it takes the robot's model file, and for the line it prints the measure of gaits.
+to carry over. Of camp it takes the robot's model file, the reading of the metadata, and for the line it prints the
+measure of gaits.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
+import math
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import mujoco
 import numpy as np
@@ -22,12 +23,18 @@ from numpy.typing import NDArray
 
 from camp.errors import CampError
 from camp.metrics.gait import measure_gait
+from camp.policy_metadata import read_metadata
 from camp.robots.go2 import CONTACT_FORCE, FOOT_NAMES, MODEL_PATH
 
 Array = NDArray[np.float32]
 
 FALL_TILT = 0.8  # rad, between the trunk's and the world's vertical
 SETTLING_S = 2.0  # left out of what is measured
+DIVERGED = (  # MuJoCo starts anew after these, with no more than a warning
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+)
 
 
 class Policy:
@@ -51,7 +58,15 @@ class Policy:
         properties = self._session.get_modelmeta().custom_metadata_map
         if "joint_names" not in properties:
             raise CampError(f"policy {path}: holds no metadata of camp.export; export it again")
-        self.metadata: dict[str, Any] = {key: json.loads(value) for key, value in properties.items()}
+        try:
+            self.metadata: dict[str, Any] = read_metadata(properties)
+        except CampError as error:
+            raise CampError(f"policy {path}: {error}") from error
+        shapes = [(one.name, one.shape[-1:]) for one in (*self._session.get_inputs(), *self._session.get_outputs())]
+        observed = sum(entry["size"] for entry in self.metadata["observation"])
+        expected = [("obs", [observed]), ("joint_target", [len(self.metadata["joint_names"])])]
+        if shapes != expected:
+            raise CampError(f"policy {path}: maps {shapes}, its metadata say {expected}; export it again")
 
     def one_hot(self, skill: str) -> Array:
         """The observation's `skill` entry, (K,). Raises CampError for a skill that the policy does not know."""
@@ -61,22 +76,33 @@ class Policy:
         return np.array([name == skill and self.metadata["observe_skill"] for name in known], np.float32)
 
     def joint_target(self, observation: Array) -> Array:
-        """(45 + K,) -> (12,) rad."""
-        (target,) = self._session.run(None, {"obs": observation[None]})
-        return np.asarray(target, dtype=np.float32)[0]
+        """(45 + K,) -> (12,) rad. Raises CampError for an answer that is no number."""
+        (answer,) = self._session.run(None, {"obs": observation[None]})
+        target = np.asarray(answer, dtype=np.float32)[0]
+        if not np.isfinite(target).all():
+            joint = self.metadata["joint_names"][int(np.argmin(np.isfinite(target)))]
+            raise CampError(f"the policy's target for {joint} is not finite: its weights are damaged; export it again")
+        return target
 
 
 class Robot:
     """One simulated robot on flat ground, its joints in the order of the metadata's ``joint_names``."""
 
     def __init__(self, metadata: dict[str, Any]):
+        """Raises CampError for a control period that the physics timestep does not divide."""
         self.model = mujoco.MjModel.from_xml_path(str(MODEL_PATH))
         self.data = mujoco.MjData(self.model)
         joints = [self.model.joint(name) for name in metadata["joint_names"]]
         self._position = np.array([joint.qposadr[0] for joint in joints])
         self._velocity = np.array([joint.dofadr[0] for joint in joints])
         self._actuator = np.array([self.model.actuator(name).id for name in metadata["joint_names"]])
-        self._substeps = round(metadata["control_period"] / self.model.opt.timestep)
+        period, timestep = metadata["control_period"], self.model.opt.timestep
+        self._substeps = round(period / timestep)
+        if not math.isclose(self._substeps * timestep, period):
+            raise CampError(
+                f"metadata control_period = {period:g}: no multiple of the physics timestep, {timestep:g} s; export a "
+                "policy that was trained at one"
+            )
         # A position actuator's force is kp (target - q) - kd q', clipped at the torque limit in the model.
         self.model.actuator_gainprm[self._actuator, 0] = metadata["kp"]
         self.model.actuator_biasprm[self._actuator, 1] = -np.array(metadata["kp"])
@@ -94,9 +120,11 @@ class Robot:
         mujoco.mj_forward(self.model, self.data)
 
     def hold(self, target: Array) -> None:
-        """Hold joint targets (12,) in rad for one control period."""
+        """Hold joint targets (12,) in rad for one control period. Raises CampError where the simulation diverges."""
         self.data.ctrl[self._actuator] = target
         mujoco.mj_step(self.model, self.data, self._substeps)
+        if any(self.data.warning[kind].number for kind in DIVERGED):
+            raise CampError("the robot's state is not finite: the simulation diverged; check the metadata's kp and kd")
 
     @property
     def joint_position(self) -> Array:
@@ -166,7 +194,8 @@ def observe(policy: Policy, robot: Robot, command: Array, skill: Array, last_act
 def walk(policy: Policy, skill: str, command: Sequence[float], seconds: float) -> Walk:
     """Walk from standing until the time is over or the robot falls.
 
-    command: vx, vy in m/s, yaw rate in rad/s. Raises CampError for a skill that the policy does not know.
+    command: vx, vy in m/s, yaw rate in rad/s. Raises CampError for a skill that the policy does not know, and for an
+    answer or a state that is not finite.
     """
     metadata, robot = policy.metadata, Robot(policy.metadata)
     pose, scale = np.array(metadata["default_pose"], np.float32), np.float32(metadata["action_scale"])
@@ -183,17 +212,32 @@ def walk(policy: Policy, skill: str, command: Sequence[float], seconds: float) -
     return Walk(*map(np.array, zip(*rows, strict=True)), fell=robot.fallen)
 
 
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        """One line for `main` to print, instead of four."""
+        raise CampError(f"{message}; see --help")
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code: 0, or 2 for input that cannot be used."""
-    parser = argparse.ArgumentParser(prog="python -m camp.deploy", description="Run an exported policy in MuJoCo.")
+    parser = _Parser(prog="python -m camp.deploy", description="Run an exported policy in MuJoCo.")
     parser.add_argument("policy", type=Path, help="policy.onnx, which camp.export writes")
-    parser.add_argument("--skill", required=True, help="one of the policy's skills, such as trot")
-    parser.add_argument("--command", type=float, nargs=3, metavar=("VX", "VY", "WZ"), default=(0.6, 0.0, 0.0))
+    parser.add_argument("--skill", required=True, help="one of the policy's skills (policy.json lists them)")
+    parser.add_argument(
+        "--command",
+        type=float,
+        nargs=3,
+        metavar=("VX", "VY", "WZ"),
+        default=(0.6, 0.0, 0.0),
+        help="m/s forward, m/s to the left, rad/s to the left (default: 0.6 0 0)",
+    )
     parser.add_argument("--seconds", type=float, default=10.0, help="at least 4 (default: %(default)s)")
-    options = parser.parse_args(arguments)
     try:
-        if options.seconds < 2 * SETTLING_S:
+        options = parser.parse_args(arguments)
+        if not 2 * SETTLING_S <= options.seconds < math.inf:
             raise CampError(f"--seconds {options.seconds:g}: choose {2 * SETTLING_S:g} or more, to see strides")
+        if not np.isfinite(options.command).all():
+            raise CampError(f"--command {' '.join(map(str, options.command))}: give three finite numbers")
         policy = Policy(options.policy)
         done = walk(policy, options.skill, options.command, options.seconds)
     except CampError as error:

@@ -7,6 +7,7 @@ shipped policy into outputs/<its name>/.
 from __future__ import annotations
 
 import json
+import math
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -70,6 +71,11 @@ def metadata(config: Config) -> dict[str, Any]:
         "action_scale": config.robot.action_scale,
         "control_period": config.env.control_period_s,
         "skills": list(names(skills)),
+        "command_range": {
+            "vx_m_s": list(config.env.command.vx_m_s),
+            "vy_m_s": list(config.env.command.vy_m_s),
+            "yaw_rate_rad_s": list(config.env.command.yaw_rate_rad_s),
+        },
         "observation": [
             {"name": entry.name, "size": entry.size, "unit": entry.unit} for entry in actor_entries(len(skills))
         ],
@@ -87,6 +93,8 @@ def export_policy(run: Path, output: Path) -> Exported:
     targets = JointTargets(loaded.actor, scale)
     model = policy_graph(loaded.actor, targets.default_pose, scale, described)
     difference = largest_difference(model, targets, _plausible_observations(loaded.actor))
+    if not math.isfinite(difference):
+        raise ExportError(f"policy of {run}: its joint targets are not finite; export a run whose training held")
     if difference > TOLERANCE:
         raise ExportError(
             f"policy of {run}: onnxruntime's answers differ from torch's by {difference:.1e} rad; use the versions of "

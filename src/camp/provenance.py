@@ -76,10 +76,10 @@ def provenance(run: Path, iteration: int, config: Config, minutes: float | None)
         shortened = {key: versions[key] for key in ("camp", "git", "python", "cpu_count", "started")}
         shortened["packages"] = {name: packages[name] for name in PACKAGES if name in packages}
         shortened["command"] = _command(versions["command"])
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, TypeError) as error:
         raise CheckpointError(f"file {path}: missing or incomplete ({error}); name a complete run folder") from error
     rows = read_metrics(run / "metrics.jsonl")
-    if not rows:
+    if not rows or rows[-1].get("steps") is None:
         raise CheckpointError(f"metrics {run / 'metrics.jsonl'}: hold no iteration; train the run further")
     return Provenance(
         config=config,

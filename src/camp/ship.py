@@ -13,24 +13,28 @@ from __future__ import annotations
 import json
 import shutil
 import sys
+import zipfile
+import zlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from omegaconf import OmegaConf
 
+from camp import checks
 from camp.arguments import key_values, run_command
 from camp.build import load_run, motion_folder
 from camp.checkpoint import load_checkpoint, save_run_checkpoint
 from camp.config import Config, as_yaml, load_run_config
-from camp.errors import ConfigError
+from camp.errors import CheckpointError, ConfigError
 from camp.export import METADATA_FILE, metadata
 from camp.files import write_text
 from camp.logger import read_metrics
 from camp.paths import assets_root, policies_root
 from camp.provenance import condensed, describe, provenance, rounded
 
-EVALUATION_FILES = ("eval.json", "eval.npz")
+REPORT, ARRAYS = EVALUATION_FILES = ("eval.json", "eval.npz")
+JUDGED = ("policies", "switching", "verdict")  # in the report: what the targets are about, and whether they were met
 METRICS, IMITATION, VERSIONS, CARD = "metrics.jsonl", "imitation.jsonl", "versions.json", "README.md"
 
 
@@ -38,16 +42,18 @@ def ship_policy(run: Path, folder: Path, minutes: float | None = None) -> Path:
     """Write the latest policy of a run folder as the small run folder ``folder``, and return it.
 
     minutes: wall-clock time of the whole training command, where it was measured. Raises CampError, before anything
-    is written, where ``folder`` is there already, the run is damaged, has not been evaluated at its latest checkpoint,
-    or was trained on clips that are not shipped.
+    is written, where ``folder`` is there already, the run is damaged, has not been evaluated as a whole at its latest
+    checkpoint, was trained on clips that are not shipped, or is a shipped policy itself.
     """
     if folder.exists():
         raise ConfigError(f"policy {folder}: is there already; delete it first, or choose another name")
     loaded, state = load_run(run), load_checkpoint(run)
+    if "critic" not in state["ppo"]:
+        raise ConfigError(f"run folder {run}: is a shipped policy already; copy the folder, or ship the run it is from")
     _check_evaluated(run, loaded.iteration)
     config = _portable(load_run_config(run))
     made_by = provenance(run, loaded.iteration, config, minutes)
-    rows = read_metrics(run / METRICS)
+    rows, epochs = condensed(read_metrics(run / METRICS)), _epochs(run / IMITATION)
     partial = folder.with_name(f".{folder.name}.partial")
     shutil.rmtree(partial, ignore_errors=True)
     try:
@@ -56,11 +62,10 @@ def ship_policy(run: Path, folder: Path, minutes: float | None = None) -> Path:
         write_text(partial / "config.yaml", OmegaConf.to_yaml(as_yaml(config), resolve=True))
         write_text(partial / METADATA_FILE, json.dumps(metadata(config), indent=2) + "\n")
         write_text(partial / VERSIONS, json.dumps(made_by.versions, indent=2) + "\n")
-        write_text(partial / METRICS, _lines(condensed(rows)))
+        write_text(partial / METRICS, _lines(rows))
         write_text(partial / CARD, describe(folder.name, made_by))
-        if (run / IMITATION).is_file():
-            epochs = [json.loads(line) for line in (run / IMITATION).read_text().splitlines()]
-            write_text(partial / IMITATION, _lines([rounded(row) for row in epochs]))
+        if epochs is not None:
+            write_text(partial / IMITATION, _lines(epochs))
         for name in EVALUATION_FILES:
             shutil.copyfile(run / name, partial / name)
         load_run(partial)
@@ -77,9 +82,37 @@ def _check_evaluated(run: Path, iteration: int) -> None:
     for name in EVALUATION_FILES:
         if not (run / name).is_file():
             raise ConfigError(f"run folder {run}: holds no {name}; {remedy}")
-    judged = json.loads((run / "eval.json").read_text()).get("iteration")
+    try:
+        report = json.loads((run / REPORT).read_text())
+        judged, lacking = report["iteration"], [key for key in JUDGED if not report.get(key)]
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        raise ConfigError(f"run folder {run}: {REPORT} is no evaluation's report ({error}); {remedy}") from error
     if judged != iteration:
-        raise ConfigError(f"run folder {run}: eval.json is of iteration {judged}, its policy of {iteration}; {remedy}")
+        raise ConfigError(f"run folder {run}: {REPORT} is of iteration {judged}, its policy of {iteration}; {remedy}")
+    if lacking:
+        raise ConfigError(f"run folder {run}: {REPORT} is of a partial evaluation, without {lacking[0]}; {remedy}")
+    if _damaged_archive(run / ARRAYS):
+        raise ConfigError(f"run folder {run}: {ARRAYS} is damaged; {remedy}")
+
+
+def _damaged_archive(path: Path) -> bool:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return archive.testzip() is not None
+    except (OSError, zipfile.BadZipFile, zlib.error):
+        return True
+
+
+def _epochs(path: Path) -> list[dict[str, Any]] | None:
+    """The learning curve of the imitation; None for a run without. Raises CheckpointError where it is damaged."""
+    if not path.is_file():
+        return None
+    try:
+        return [rounded(json.loads(line)) for line in path.read_text().splitlines()]
+    except (OSError, ValueError, TypeError, AttributeError) as error:
+        raise CheckpointError(
+            f"file {path}: no learning curve ({error}); restore the file, or delete it to ship without"
+        ) from error
 
 
 def _portable(config: Config) -> Config:
@@ -118,6 +151,8 @@ def ship(arguments: Sequence[str]) -> None:
         measured = None if minutes is None else float(minutes)
     except ValueError as error:
         raise ConfigError(f"minutes = {minutes!r}: give a number") from error
+    if measured is not None:
+        checks.positive("minutes", measured)
     folder = ship_policy(Path(given["run"]), Path(given.get("output", policies_root())) / name, measured)
     files = sorted(path for path in folder.rglob("*") if path.is_file())
     for path in files:
