@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import zipfile
+import zlib
 from dataclasses import dataclass
+from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +16,7 @@ from numpy.typing import NDArray
 from camp.algo.skill import SkillPrior
 from camp.data import Transition
 from camp.errors import CampError
+from camp.histogram import BINS
 from camp.logger import METRICS, read_metrics
 from camp.motion.clips import Clip, amp_state
 from camp.motion.gaits import GAIT_PHASES
@@ -23,6 +26,8 @@ if TYPE_CHECKING:  # camp.build imports the simulator, which figures drawn from 
     from camp.build import Run
 
 EVALUATION_FILE = "eval.npz"
+LEAST_S = 2.0  # that an evaluation shows of each skill
+HISTOGRAM = "histogram"  # in the keys of metrics that are one
 
 
 class AnalysisError(CampError):
@@ -81,12 +86,27 @@ def evaluation_folder(run: Path) -> Path:
 def learning_curve(folder: Path) -> list[dict[str, Any]]:
     """The rows of a run folder's metrics.jsonl, whole or condensed as a shipped policy's are; at least one.
 
-    Raises CheckpointError where they cannot be read, AnalysisError where there are none.
+    Raises CheckpointError where they cannot be read, AnalysisError where there are none or wrong ones.
     """
     rows = [row for row in read_metrics(folder / METRICS) if row.get("steps")]
+    for row in rows:
+        for key, value in row.items():
+            if value is not None and not (_is_histogram if HISTOGRAM in key else _is_number)(value):
+                raise AnalysisError(
+                    f"'{folder / METRICS}' holds {key} = {value!r} at iteration {row['iteration']}, which is no "
+                    f"{'histogram' if HISTOGRAM in key else 'number'}: restore the file or remove that line"
+                )
     if not rows:
         raise AnalysisError(f"'{folder / METRICS}' holds no iteration: train the run further")
     return rows
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and isfinite(value)
+
+
+def _is_histogram(value: Any) -> bool:
+    return isinstance(value, list) and len(value) == BINS and all(map(_is_number, value))
 
 
 def switching_sequence(folder: Path) -> SwitchingSequence:
@@ -97,16 +117,29 @@ def switching_sequence(folder: Path) -> SwitchingSequence:
         raise AnalysisError(f"'{path}' does not exist: {remedy} first")
     try:
         with np.load(path, allow_pickle=False) as arrays:
-            return SwitchingSequence(
+            sequence = SwitchingSequence(
                 period_s=float(arrays["period"]),
                 skills=tuple(str(name) for name in arrays["skills"]),
                 contact=arrays["skill_switch_contact"].astype(bool),
                 skill=arrays["skill_switch_skill"].astype(int),
             )
+        _check_arrays(sequence)
+        return sequence
     except KeyError as error:
         raise AnalysisError(f"'{path}' has no array {error}: {remedy} again") from error
-    except (ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
+    except (ValueError, TypeError, OSError, EOFError, zipfile.BadZipFile, zlib.error) as error:
         raise AnalysisError(f"'{path}' cannot be read ({error}): {remedy} again") from error
+
+
+def _check_arrays(sequence: SwitchingSequence) -> None:
+    """Raises ValueError where the arrays do not belong together."""
+    steps = sequence.skill.size
+    if not steps or sequence.skill.shape != (steps,) or sequence.contact.shape != (steps, 4):
+        raise ValueError(f"skills {sequence.skill.shape} and contacts {sequence.contact.shape} of T steps")
+    if not (sequence.skill.min() >= 0 and sequence.skill.max() < len(sequence.skills)):
+        raise ValueError(f"labels beyond the {len(sequence.skills)} skills")
+    if not LEAST_S <= steps * sequence.period_s < inf:
+        raise ValueError(f"{steps} steps with a period of {sequence.period_s} s, less than {LEAST_S:g} s or endless")
 
 
 def clip_features(run: Run) -> list[ClipFeatures]:

@@ -13,6 +13,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
+from camp.errors import ConfigError
+from camp.files import make_folder, whole_file
 from camp.metrics.gait import NO_GAIT
 
 WIDE = (7.2, 3.4)  # inches, across a page's two columns
@@ -85,7 +87,11 @@ def skill_shades(skills: list[str]) -> dict[str, tuple[float, float, float]]:
 
 
 def save(figure: Figure, path: Path) -> Path:
-    """Write a PNG, creating its folder; returns the path."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, format="png", dpi=DPI)
+    """Write a PNG, creating its folder; returns the path. Raises ConfigError where it cannot be written."""
+    make_folder(path.parent)
+    try:
+        with whole_file(path) as file:
+            figure.savefig(file, format="png", dpi=DPI)
+    except OSError as error:
+        raise ConfigError(f"file {path}: {error.strerror or error}; free some space or remove it") from error
     return path

@@ -28,6 +28,8 @@ SATURATED = WELL | {"prior/style/accuracy": 0.999, "reward/style/raw": 0.01}
         ("skills_merged", {"prior/style/embedding_similarity": 0.95}),
         ("skill_blind", {"prior/skill/accuracy": 0.25}),
         ("policy_too_fast", {"ppo/kl": 0.5}),
+        ("not_finite", {"ppo/kl": float("nan")}),
+        ("not_finite", {"reward/style/raw": float("inf")}),
     ],
 )
 def test_each_condition_rings_alone_and_only_after_its_patience(name, change, config):
@@ -56,6 +58,21 @@ def test_nothing_rings_where_all_is_well_or_nothing_is_trained(config):
         monitor = AlarmMonitor(alarms_of(config))
         for _ in range(500):
             assert not any(monitor.update(metrics).values())
+
+
+def test_metrics_that_are_not_finite_are_named(config):
+    monitor = AlarmMonitor(alarms_of(config))
+    monitor.update(WELL | {"ppo/kl": float("nan")})
+    assert "alarm not_finite (ppo/kl), for 1 iteration: " in monitor.new()[0]
+    monitor.update(WELL)
+    monitor.update(dict.fromkeys("abcdef", float("inf")))
+    assert "(a, b, c, d and 2 more)" in monitor.new()[0]
+
+
+def test_a_monitor_goes_on_from_a_checkpoint_without_an_alarm(config):
+    monitor = AlarmMonitor(alarms_of(config))
+    monitor.load_state_dict({"style_blind": 3})
+    assert monitor.update({"ppo/kl": float("nan")})["alarm/not_finite"] == 1.0
 
 
 def test_a_resumed_monitor_goes_on_counting(config):

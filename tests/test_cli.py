@@ -181,6 +181,8 @@ def test_literal_command_in_a_process_of_its_own(tree):
         ("+seed=1", ["+seed", "leave the + out"]),
         ("~sed", ["~sed: no such key"]),
         ("--seed=1", ["--seed=1", "overrides have no dashes: seed=1"]),
+        ("--run=x", ["--run=x", "takes no value", "overrides have no dashes: run=x"]),
+        ("--cfg=all-of-it", ["--cfg", "all-of-it", "see --hydra-help"]),
         ("--mutirun", ["--mutirun", "did you mean --multirun?"]),
         ("--config-name", ["--config-name: has no value"]),
         ("--config-name nope", ["config 'nope': not found"]),

@@ -71,7 +71,8 @@ def test_switches_of_the_baseline():
         ("algo.precision=float16", ("algo.precision", "float16", "bfloat16")),
         ("algo.ppo.clip=0", ("algo.ppo.clip", "0", "above 0")),
         ("run.iterations=0", ("run.iterations", "0", "1 or more")),
-        ("seed=-1", ("seed", "-1", "0 or more")),
+        ("seed=-1", ("seed", "-1", "from 0")),
+        (f"seed={2**64}", ("seed", "18446744073709551616", "2^64 - 1")),
         ("variant='a b'", ("variant", "a b", "letters")),
     ],
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from camp.errors import ConfigError
-from camp.files import whole_file, write_text
+from camp.files import make_folder, whole_file, write_text
 
 
 def test_what_was_there_stays_until_the_new_file_is_complete(tmp_path):
@@ -32,3 +32,12 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(ConfigError, match=r"file .*note\.txt: .*choose a folder that can be written"):
         write_text(tmp_path / "file" / "note.txt", "text")
+
+
+def test_an_output_folder_is_made_or_named(tmp_path):
+    assert make_folder(tmp_path / "a" / "b").is_dir() and list((tmp_path / "a" / "b").iterdir()) == []
+    make_folder(tmp_path / "a")
+    (tmp_path / "file").write_text("")
+    for path in (tmp_path / "file", tmp_path / "file" / "below"):
+        with pytest.raises(ConfigError, match=rf"output folder {path}: .*make it a folder that can be written"):
+            make_folder(path)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import isfinite
 
 from camp.config import Config
 
 Metrics = Mapping[str, float]
+NAMED = 4  # metrics in one line at most
 
 
 @dataclass(frozen=True)
@@ -18,6 +20,7 @@ class Alarm:
     holds: Callable[[Metrics], bool]
     patience: int  # iterations
     remedy: str
+    culprits: Callable[[Metrics], list[str]] = lambda metrics: []  # keys to name, where the condition has any
 
 
 def alarms_of(config: Config) -> list[Alarm]:
@@ -59,7 +62,20 @@ def alarms_of(config: Config) -> list[Alarm]:
             "the policy moves several times algo.ppo.desired_kl an iteration: a lower algo.ppo.min_learning_rate, "
             "fewer algo.ppo.epochs",
         ),
+        # No comparison with NaN holds, so the others stay silent once it has spread.
+        Alarm(
+            "not_finite",
+            lambda m: bool(_not_finite(m)),
+            1,
+            "training has diverged and learns nothing more: go back to an earlier checkpoint, with a lower "
+            "algo.ppo.learning_rate, algo.style.learning_rate or algo.skill.learning_rate",
+            _not_finite,
+        ),
     ]
+
+
+def _not_finite(metrics: Metrics) -> list[str]:
+    return [key for key, value in metrics.items() if not isfinite(value)]
 
 
 class AlarmMonitor:
@@ -68,9 +84,11 @@ class AlarmMonitor:
     def __init__(self, alarms: list[Alarm]) -> None:
         self.alarms = alarms
         self._held = {alarm.name: 0 for alarm in alarms}
+        self._metrics: Metrics = {}  # of the last iteration
 
     def update(self, metrics: Metrics) -> dict[str, float]:
         """Take in one iteration; ``alarm/<name>`` for each alarm, 1 while it rings and else 0."""
+        self._metrics = metrics
         for alarm in self.alarms:
             self._held[alarm.name] = self._held[alarm.name] + 1 if alarm.holds(metrics) else 0
         return {f"alarm/{alarm.name}": float(self._held[alarm.name] >= alarm.patience) for alarm in self.alarms}
@@ -78,10 +96,16 @@ class AlarmMonitor:
     def new(self) -> list[str]:
         """A line for each alarm that the last iteration set off."""
         return [
-            f"alarm {alarm.name}, for {alarm.patience} iterations: {alarm.remedy}"
+            f"alarm {alarm.name}{self._named(alarm)}, for {alarm.patience} iteration{'s' * (alarm.patience > 1)}: "
+            f"{alarm.remedy}"
             for alarm in self.alarms
             if self._held[alarm.name] == alarm.patience
         ]
+
+    def _named(self, alarm: Alarm) -> str:
+        keys = alarm.culprits(self._metrics)
+        more = f" and {len(keys) - NAMED} more" if len(keys) > NAMED else ""
+        return f" ({', '.join(keys[:NAMED])}{more})" if keys else ""
 
     def state_dict(self) -> dict[str, int]:
         return dict(self._held)

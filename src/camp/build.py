@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import copy
+import operator
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +17,7 @@ from camp.algo.ppo import PPO
 from camp.algo.prior import Prior
 from camp.algo.skill import SkillPrior
 from camp.algo.style import StylePrior
-from camp.checkpoint import load_checkpoint
+from camp.checkpoint import MISFITS, latest_checkpoint, load_checkpoint, misfit
 from camp.config import Config, SimConfig, learner_device, load_run_config, simulator_device
 from camp.envs.measurement import AMP_STATE_SIZE
 from camp.envs.observations import actor_entries, privileged_entries, size
@@ -165,7 +167,10 @@ def build_actor(config: Config, weights: torch.Generator) -> GaussianActor:
 
 
 def load_run(folder: Path) -> Run:
-    """The latest checkpoint of a run folder, as networks. Raises CampError where it is missing or damaged."""
+    """The latest checkpoint of a run folder, as networks.
+
+    Raises CampError where it is missing, damaged or holds values that are not finite.
+    """
     config = load_run_config(folder)
     state = load_checkpoint(folder)
     skills = names(config.motion.skill_set())
@@ -173,17 +178,29 @@ def load_run(folder: Path) -> Run:
     actor = build_actor(config, weights)
     skill_prior = None
     try:
+        iteration = operator.index(state["iteration"])
         actor.load_state_dict(state["ppo"]["actor"])
         if "skill" in state["priors"]:
             embedding = SkillEmbedding(len(skills), config.algo.embedding_size, weights)
             skill_prior = SkillPrior(config.algo.skill, embedding, skills, AMP_STATE_SIZE, weights)
             skill_prior.load_state_dict(state["priors"]["skill"])
-    except (KeyError, RuntimeError) as error:
-        reason = str(error).strip().splitlines()[0]
-        raise CheckpointError(
-            f"run folder {folder}: its checkpoint does not fit its config.yaml ({reason}); restore the original file"
-        ) from error
-    return Run(config, int(state["iteration"]), actor, skills, skill_prior, expert_clips(config))
+    except MISFITS as error:
+        raise misfit(folder, error) from error
+    _check_finite("policy", [actor], folder)
+    _check_finite("skill discriminator", skill_prior.networks() if skill_prior else [], folder)
+    return Run(config, iteration, actor, skills, skill_prior, expert_clips(config))
+
+
+def _check_finite(name: str, networks: Sequence[nn.Module], folder: Path) -> None:
+    """Training that diverged leaves networks that answer NaN, which no comparison would notice."""
+    for network in networks:
+        for key, values in network.state_dict().items():
+            if not values.isfinite().all():
+                checkpoint = latest_checkpoint(folder)
+                raise CheckpointError(
+                    f"run folder {folder}: the {name} in {checkpoint.name} holds values that are not finite ({key}); "
+                    "move that file away to use the checkpoint before it, or train anew"
+                )
 
 
 def _check_period(config: Config, clips: list[Clip]) -> None:

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import pickle
 import re
+import textwrap
 import zipfile
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -28,11 +30,17 @@ _UNREADABLE = (
     OSError,
     RuntimeError,
     ValueError,
+    TypeError,
+    AttributeError,
     EOFError,
     LookupError,
     pickle.PickleError,
     zipfile.BadZipFile,
+    zlib.error,
 )
+
+#: What reading entries of a state raises where it is not built as expected.
+MISFITS = (LookupError, RuntimeError, TypeError, ValueError, AttributeError, ArithmeticError)
 
 
 def save_checkpoint(path: Path, state: Mapping[str, Any]) -> Path:
@@ -97,6 +105,14 @@ def load_checkpoint(source: Path, device: torch.device | str = "cpu") -> dict[st
         raise CheckpointError(f"{error}; {_remedy(path)}") from error.__cause__
 
 
+def misfit(run: Path, error: Exception) -> CheckpointError:
+    """What to raise where the networks of a run's configuration do not take the state of its checkpoint."""
+    return CheckpointError(
+        f"run folder {run}: its {latest_checkpoint(run).name} does not fit its config.yaml ({_what_differs(error)}); "
+        "restore the original files, or train anew"
+    )
+
+
 def copied(state: Any, device: torch.device | str) -> Any:
     """``state`` with a copy of every tensor in it on ``device``."""
     if isinstance(state, Tensor):
@@ -122,10 +138,12 @@ def _read(path: Path, device: torch.device | str) -> dict[str, Any]:
         ) from error
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise CheckpointError(f"checkpoint {path}: not written by camp")
-    if content["version"] != FORMAT_VERSION:
+    if content.get("version") != FORMAT_VERSION:
         raise CheckpointError(
-            f"checkpoint {path}: format version {content['version']}, this camp reads {FORMAT_VERSION}"
+            f"checkpoint {path}: format version {content.get('version')}, this camp reads {FORMAT_VERSION}"
         )
+    if not isinstance(content.get("state"), dict):
+        raise CheckpointError(f"checkpoint {path}: holds no state")
     return content["state"]
 
 
@@ -157,6 +175,15 @@ def _check_plain(value: Any, where: str) -> None:
             _check_plain(item, f"{where}[{index}]")
     elif not (value is None or isinstance(value, Tensor) or type(value) in (bool, int, float, str)):
         raise TypeError(f"{where} is a {type(value).__name__}: a checkpoint holds only tensors and plain values")
+
+
+def _what_differs(error: Exception) -> str:
+    if isinstance(error, KeyError):
+        return f"no entry {error}"
+    lines = str(error).strip().splitlines() or [type(error).__name__]
+    # torch tells the network first and then, line by line, what differs: one example is enough.
+    network = lines[0].removeprefix("Error(s) in loading state_dict for ")
+    return textwrap.shorten(" ".join([network, *lines[1:2]]), 160, placeholder=" ...")
 
 
 def _first_line(error: BaseException) -> str:

@@ -22,6 +22,11 @@ def not_negative(key: str, value: float) -> None:
     require(0.0 <= value < math.inf, key, value, "choose a finite number of 0 or more")
 
 
+def seed(key: str, value: int) -> None:
+    # torch takes no more than 64 bits.
+    require(0 <= value < 2**64, key, value, "choose a whole number from 0 to 2^64 - 1")
+
+
 def finite(key: str, value: float) -> None:
     require(math.isfinite(value), key, value, "choose a finite number")
 

@@ -10,9 +10,10 @@ import traceback
 from collections.abc import Callable, Iterator, Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import hydra
+from hydra._internal.utils import get_args_parser
 from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
 from omegaconf import DictConfig
@@ -50,6 +51,7 @@ def run_hydra(config_name: str, task: Callable[[DictConfig], Any], argv: Sequenc
     register_ablations()
     try:
         arguments = _overrides_first(sys.argv[1:] if argv is None else argv)
+        _check_options(arguments)
         with _command_line(arguments), _launcher_errors(arguments):
             hydra.main(config_path=str(primary.parent), config_name=primary.name, version_base="1.3")(job)()
         if job.error is not None:
@@ -142,6 +144,8 @@ def _overrides_first(argv: Sequence[str]) -> list[str]:
             overrides.append(argument)
         elif name not in _FLAGS + _FLAGS_WITH_VALUE:
             raise ConfigError(_unknown_option(argument))
+        elif equals and name in _FLAGS:
+            raise ConfigError(f"option {argument}: takes no value; overrides have no dashes: {argument.lstrip('-')}")
         else:
             options.append(argument)
             if name in _FLAGS_WITH_VALUE and not equals:
@@ -150,6 +154,17 @@ def _overrides_first(argv: Sequence[str]) -> list[str]:
         if options and options[-1] == name:
             raise ConfigError(f"option {name}: has no value; write {name} <value>, see --hydra-help")
     return overrides + options
+
+
+def _check_options(arguments: Sequence[str]) -> None:
+    """Raise ConfigError for options that Hydra's parser refuses, which would print its usage and leave."""
+
+    def refuse(message: str) -> NoReturn:
+        raise ConfigError(f"command line: {message}; see --hydra-help")
+
+    parser = get_args_parser()
+    parser.error = refuse
+    parser.parse_args(arguments)
 
 
 @contextlib.contextmanager

@@ -12,11 +12,13 @@ from typing import cast
 
 import torch
 from omegaconf import MISSING, DictConfig, OmegaConf
+from yaml import YAMLError
 
 from camp import checks, distributed
 from camp.algo.config import AlgoConfig
 from camp.envs.config import EnvConfig
 from camp.errors import ConfigError
+from camp.hydra_errors import INPUT_ERRORS, diagnosis
 from camp.logger import LoggerConfig
 from camp.motion.gaits import GAIT_PHASES
 from camp.motion.skills import LABELS, Skill, skill_set
@@ -146,7 +148,7 @@ class Config:
 
     def check(self) -> None:
         """Raise ConfigError for the first value that cannot work, alone or beside another."""
-        checks.not_negative("seed", self.seed)
+        checks.seed("seed", self.seed)
         allowed = "letters, digits, '.', '_' and '-'"
         clean = bool(self.variant) and all(c.isalnum() or c in "._-" for c in self.variant)
         checks.require(clean, "variant", self.variant, f"name it with {allowed}")
@@ -196,7 +198,7 @@ def resolve(config: DictConfig) -> Config:
 def _with_simulator(config: DictConfig) -> DictConfig:
     """``config`` with the simulator chosen, where that is left to us, and the chosen one's values where none are
     given."""
-    if "sim" not in config or "backend" not in config.sim:
+    if not isinstance(config.get("sim"), DictConfig) or "backend" not in config.sim:
         return config
     backend = config.sim.backend
     if backend == AUTO:
@@ -220,15 +222,33 @@ def as_yaml(config: Config) -> DictConfig:
 def load_run_config(run: Path, changes: Sequence[str] = ()) -> Config:
     """The configuration a run folder was trained with, with ``changes`` like ``run.iterations=300``.
 
-    Raises ConfigError where there is none.
+    Raises ConfigError where there is none, or one that cannot be used; for ``changes`` as `resolve`.
     """
     path = run / "config.yaml"
     if not path.is_file():
         raise ConfigError(f"run folder {run}: holds no config.yaml; name one of the folders that camp.train wrote")
-    loaded = OmegaConf.load(path)
+    saved = _load_yaml(path)
+    try:
+        config = resolve(saved)
+    except (*INPUT_ERRORS, TypeError) as error:  # OmegaConf lets a list pass for a number of a list
+        raise ConfigError(
+            f"file {path}: not a configuration for this camp ({diagnosis(error)}); restore the original file, or use "
+            "the camp that wrote it, see versions.json"
+        ) from error
+    if not changes:
+        return config
+    return resolve(cast(DictConfig, OmegaConf.merge(saved, OmegaConf.from_dotlist(list(changes)))))
+
+
+def _load_yaml(path: Path) -> DictConfig:
+    try:
+        loaded = OmegaConf.load(path)
+    except (OSError, ValueError, YAMLError, *INPUT_ERRORS) as error:
+        reason = " ".join(str(error).split())
+        raise ConfigError(f"file {path}: cannot be read as YAML ({reason}); restore the original file") from error
     if not isinstance(loaded, DictConfig):
-        raise ConfigError(f"file {path}: not a configuration; restore it from the run")
-    return resolve(cast(DictConfig, OmegaConf.merge(loaded, OmegaConf.from_dotlist(list(changes)))))
+        raise ConfigError(f"file {path}: a list, not a configuration; restore the original file")
+    return loaded
 
 
 def learner_device(name: str) -> torch.device:

@@ -11,6 +11,7 @@ import torch
 from omegaconf import DictConfig
 from rich.console import Console
 
+from camp import checks
 from camp.build import Run, build_actor, load_run
 from camp.cli import run_hydra
 from camp.errors import ConfigError
@@ -20,20 +21,23 @@ from camp.evaluation.judge import Judge, Judgement
 from camp.evaluation.record import log_evaluation
 from camp.evaluation.rollout import Policy
 from camp.evaluation.tables import printed
-from camp.files import whole_file, write_text
+from camp.files import make_folder, whole_file, write_text
 from camp.paths import results_folder
 from camp.robots import go2
 from camp.seeding import generator
 
+VIDEOS = "videos"  # folder of the mp4s
 TABLE_WIDTH = 140  # characters, where the output is not a terminal
 
 
 def evaluate(composed: DictConfig) -> Path:
     """Judge the run's policy, beside two that do not walk; print tables, write eval.json, eval.npz and videos."""
     evaluation = resolve_evaluation(composed)
+    checks.seed("seed", evaluation.seed)
     run = load_run(Path(evaluation.run))
-    folder = results_folder(Path(evaluation.run))
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = make_folder(results_folder(Path(evaluation.run)))
+    if evaluation.video:
+        make_folder(folder / VIDEOS)
     baselines = _baselines(run) if evaluation.baselines else {}
     judgement = Judge(run.config, evaluation, run.clips).judge(run.actor, baselines)
     report = _heading(run, folder, evaluation) | judgement.report
@@ -41,7 +45,7 @@ def evaluate(composed: DictConfig) -> Path:
     console = Console() if sys.stdout.isatty() else Console(width=TABLE_WIDTH)
     console.print(printed(report))
     print(f"wrote {folder / 'eval.json'} and {folder / 'eval.npz'}", flush=True)
-    videos = film(judgement, run.skills, evaluation, folder / "videos") if evaluation.video else {}
+    videos = film(judgement, run.skills, evaluation, folder / VIDEOS) if evaluation.video else {}
     log_evaluation(run, folder, report, videos)
     return folder
 

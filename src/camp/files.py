@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -39,6 +40,18 @@ def write_text(path: Path, text: str) -> None:
             file.write(text.encode())
     except OSError as error:
         raise ConfigError(f"file {path}: {error.strerror or error}; choose a folder that can be written") from error
+
+
+def make_folder(path: Path) -> Path:
+    """Make a folder for output, if it is not there, and return it. Raises ConfigError where it cannot be written."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path):
+            return path
+    except OSError as error:
+        raise ConfigError(
+            f"output folder {path}: {error.strerror or error}; make it a folder that can be written"
+        ) from error
 
 
 def _sync_folder(folder: Path) -> None:

@@ -37,6 +37,12 @@ def describe(error: BaseException) -> str:
     return " ".join(_describe(error).split())
 
 
+def diagnosis(error: BaseException) -> str:
+    """As `describe`, for values that stand in a file: without the remedies that only help on the command line."""
+    line = describe(error)
+    return line if isinstance(error, CampError) else line.rpartition("; ")[0] or line
+
+
 def _describe(error: BaseException) -> str:
     if isinstance(error, CampError):
         return str(error)

@@ -16,7 +16,7 @@ from omegaconf import DictConfig
 
 from camp import distributed
 from camp.build import Training, build_training
-from camp.checkpoint import load_checkpoint
+from camp.checkpoint import MISFITS, load_checkpoint, misfit
 from camp.cli import new_run_folder, run_hydra
 from camp.config import Config, as_yaml, load_run_config, resolve
 from camp.errors import CheckpointError, ConfigError
@@ -159,12 +159,8 @@ def _check_ranks(checkpoint: dict, folder: Path) -> None:
 def _restore(runner: Runner, checkpoint: dict) -> None:
     try:
         runner.load_state_dict(checkpoint)
-    except (KeyError, RuntimeError, ValueError) as error:
-        reason = str(error).strip().splitlines()[0]
-        raise CheckpointError(
-            f"run folder {runner.folder}: its checkpoint does not fit its config.yaml ({reason}); "
-            "restore the original file"
-        ) from error
+    except MISFITS as error:
+        raise misfit(runner.folder, error) from error
 
 
 @contextmanager

@@ -90,6 +90,25 @@ def test_truncated_file_is_one_clear_line(tmp_path):
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"skill_switch_skill": np.int64(0)}, r"skills \(\) and contacts \(100, 4\)"),
+        ({"skill_switch_skill": np.zeros(99, dtype=int)}, r"skills \(99,\)"),
+        ({"skill_switch_skill": np.full(100, 2)}, "labels beyond the 2 skills"),
+        ({"skill_switch_contact": np.bool_(True)}, r"contacts \(\)"),
+        ({"skills": np.str_("trot")}, "0-d array"),
+        ({"period": np.zeros(2)}, "cannot be read"),
+        ({"period": np.float64("nan")}, "a period of nan s"),
+        ({"skill_switch_skill": np.zeros(9), "skill_switch_contact": np.ones((9, 4))}, "9 steps .* less than 2 s"),
+    ],
+)
+def test_arrays_that_do_not_belong_together_are_one_clear_line(changes, words, tmp_path):
+    with pytest.raises(AnalysisError, match=words) as error:
+        switching_sequence(write_evaluation(tmp_path, **changes))
+    assert str(tmp_path / "eval.npz") in str(error.value) and "\n" not in str(error.value)
+
+
 def test_pickled_objects_are_refused(tmp_path):
     with pytest.raises(AnalysisError, match="cannot be read"):
         switching_sequence(write_evaluation(tmp_path, skills=np.array(["trot", None], dtype=object)))
@@ -151,3 +170,22 @@ def test_learning_curve_needs_an_iteration(tmp_path):
         learning_curve(write_metrics(tmp_path, []))
     with pytest.raises(CampError, match="unreadable"):
         learning_curve(tmp_path / "none")
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"steps": "a"}, "steps = 'a' at iteration 2, which is no number"),
+        ({"steps": [1.0]}, "which is no number"),
+        ({"steps": float("nan")}, "which is no number"),
+        ({"ppo/kl": {}}, "ppo/kl = {}"),
+        ({"prior/style/logit_histogram/policy": 1.0}, "which is no histogram"),
+        ({"prior/style/logit_histogram/policy": [1.0]}, "which is no histogram"),
+    ],
+)
+def test_metrics_of_another_kind_are_named(change, words, tmp_path):
+    rows = metrics(3)
+    rows[1] |= change
+    with pytest.raises(AnalysisError) as error:
+        learning_curve(write_metrics(tmp_path, rows))
+    assert words in str(error.value) and "metrics.jsonl" in str(error.value)

@@ -41,6 +41,13 @@ def test_without_arguments_takes_the_newest_run(folder, monkeypatch):
     assert command.run_folder([]).resolve() == folder.resolve()
 
 
+def test_figures_that_cannot_be_written_are_one_line(folder, capsys):
+    (folder / "figures").write_text("")
+    assert command.main([f"run={folder}"]) == 2
+    error = capsys.readouterr().err
+    assert str(folder / "figures") in error and error.count("\n") == 1
+
+
 def test_a_run_without_a_skill_discriminator_keeps_its_other_figures(folder, monkeypatch, capsys):
     def absent(run):
         raise NoLatentSpaceError("the run has no skill discriminator")

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from camp.cli import run_hydra
 from camp.evaluate import evaluate
-from camp.evaluation import record
+from camp.evaluation import films, record
 from camp.evaluation.tables import printed
 from camp.train import train
+from tests.small_run import small_run
 
 TINY = [
     "run=smoke",
@@ -113,6 +116,39 @@ def test_figures_without_a_value_are_printed_and_logged_as_none():
     }
 
 
+def test_places_that_cannot_be_written_are_told_before_work_starts(tmp_path, monkeypatch, capsys):
+    def work(*_):
+        raise AssertionError("work has started")
+
+    run = small_run(tmp_path / "run")
+    monkeypatch.setattr("camp.evaluate.Judge", work)
+    (run / "videos").write_text("")
+    assert run_hydra("evaluation/evaluate", evaluate, [f"run={run}"]) == 2
+    error = capsys.readouterr().err
+    assert str(run / "videos") in error and error.count("\n") == 1
+
+    monkeypatch.setattr("camp.evaluate.results_folder", lambda _: tmp_path / "outputs" / "run")
+    (tmp_path / "outputs").write_text("")
+    assert run_hydra("evaluation/evaluate", evaluate, [f"run={run}", "video=false"]) == 2
+    error = capsys.readouterr().err
+    assert str(tmp_path / "outputs" / "run") in error and error.count("\n") == 1
+
+
+def test_a_video_that_cannot_be_written_leaves_the_others(tmp_path, monkeypatch, capsys):
+    def write(path, frames, _):
+        if path.stem == "trot":
+            raise OSError("No space left on device")
+        path.write_bytes(b"mp4")
+
+    recording = SimpleNamespace(qpos=np.zeros((2, 4, 19)), period_s=0.02)
+    judgement: Any = SimpleNamespace(grid=recording, switching=None)
+    evaluation: Any = SimpleNamespace(video_skills=True, video_s=0.08, video_command=0, commands=[[0.5, 0, 0]])
+    monkeypatch.setattr(films, "RobotRenderer", lambda _: SimpleNamespace(frame=None, close=lambda: None))
+    monkeypatch.setattr(films, "write_video", write)
+    assert films.film(judgement, ["trot", "pace"], evaluation, tmp_path) == {"pace": tmp_path / "pace.mp4"}
+    assert capsys.readouterr().err == f"no video {tmp_path / 'trot.mp4'}: No space left on device\n"
+
+
 @pytest.mark.parametrize(
     ("override", "message"),
     [
@@ -125,6 +161,7 @@ def test_figures_without_a_value_are_printed_and_logged_as_none():
         ("robustness.conditions=[{name: ice,fricton: 0.1}]", "robustness.conditions[ice].fricton"),
         ("targets.gait_accuracy=95", "targets.gait_accuracy = 95.0"),
         ("suite=long", "suite"),
+        (f"seed={2**64}", "seed = 18446744073709551616: choose a whole number from 0 to 2^64 - 1"),
         ("run=nowhere", "nowhere"),
     ],
 )

@@ -16,13 +16,15 @@ STEPS_PER_FRAME = 2  # 25 frames per second
 
 
 def film(judgement: Judgement, skills: Sequence[str], evaluation: EvaluationConfig, folder: Path) -> dict[str, Path]:
-    """The mp4s that ``evaluation`` asks for, by name; without OpenGL none, and a line that says so."""
+    """The mp4s that ``evaluation`` asks for, by name, in ``folder``, which exists.
+
+    Without OpenGL none, and those that cannot be written are left out: a line on stderr says so.
+    """
     try:
         renderer = RobotRenderer(go2.load_model())
     except CampError as error:
         print(f"no videos: {error}", file=sys.stderr)
         return {}
-    folder.mkdir(exist_ok=True)
     films, grid, switching = {}, judgement.grid, judgement.switching
     if grid is not None and evaluation.video_skills:
         steps = round(evaluation.video_s / grid.period_s)
@@ -30,9 +32,15 @@ def film(judgement: Judgement, skills: Sequence[str], evaluation: EvaluationConf
         films = {name: (grid.qpos[row, :steps], grid.period_s) for name, row in rows.items()}
     if switching is not None:
         films["switching"] = (switching.qpos[0], switching.period_s)
+    written = {}
     for name, (poses, period_s) in films.items():
-        frames = map(renderer.frame, poses[::STEPS_PER_FRAME])
-        write_video(folder / f"{name}.mp4", frames, 1.0 / (STEPS_PER_FRAME * period_s))
-        print(f"wrote {folder / f'{name}.mp4'}", flush=True)
+        path, frames = folder / f"{name}.mp4", map(renderer.frame, poses[::STEPS_PER_FRAME])
+        try:
+            write_video(path, frames, 1.0 / (STEPS_PER_FRAME * period_s))
+        except (OSError, RuntimeError) as error:  # imageio reports a missing ffmpeg as RuntimeError
+            print(f"no video {path}: {' '.join(str(error).split())}", file=sys.stderr)
+            continue
+        print(f"wrote {path}", flush=True)
+        written[name] = path
     renderer.close()
-    return {name: folder / f"{name}.mp4" for name in films}
+    return written
