@@ -11,7 +11,6 @@ import torch
 from omegaconf import DictConfig
 from rich.console import Console
 
-from camp import checks
 from camp.build import Run, build_actor, load_run
 from camp.cli import run_hydra
 from camp.errors import ConfigError
@@ -33,7 +32,6 @@ TABLE_WIDTH = 140  # characters, where the output is not a terminal
 def evaluate(composed: DictConfig) -> Path:
     """Judge the run's policy, beside two that do not walk; print tables, write eval.json, eval.npz and videos."""
     evaluation = resolve_evaluation(composed)
-    checks.seed("seed", evaluation.seed)
     run = load_run(Path(evaluation.run))
     folder = make_folder(results_folder(Path(evaluation.run)))
     if evaluation.video:

@@ -104,7 +104,7 @@ class EvaluationConfig:
         parts, remedy = list(self.parts), f"choose from {', '.join(PARTS)}, each once"
         checks.require(bool(parts) and set(parts) <= set(PARTS), "parts", parts, remedy)
         checks.require(len(set(parts)) == len(parts), "parts", parts, remedy)
-        checks.not_negative("seed", self.seed)
+        checks.seed("seed", self.seed)
         checks.positive("duration_s", self.duration_s)
         checks.not_negative("discard_s", self.discard_s)
         checks.require(
