@@ -38,9 +38,10 @@ def test_clips_are_made_once_and_imitated(warm, tmp_path):
 
     warm.motion.mirrored = True
     both = imitation_data(perturbed_clips(warm), warm, torch.device("cpu"))
-    own, image = both.action.split(len(data.action))
+    own, image = both.action[: len(data.action)], both.action[len(data.action) :]
     assert torch.equal(own, data.action)
-    assert torch.equal(image[:, 1], own[:, 4]), "the left thigh of the image is the right one's"
+    assert torch.equal(image[:, 1], own[-len(image) :, 4]), "the left thigh of the image is the right one's"
+    assert len(own) - len(image) == 25, "a standing robot is its own image: only one side's start is shown"
 
     clip.unlink()
     (tmp_path / "failed.txt").write_text(f"{clip.stem}\n")

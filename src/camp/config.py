@@ -81,7 +81,7 @@ class MotionConfig:
     skills: list[str] = MISSING  # gaits
     labels: str = MISSING  # gait: a skill is a gait; gait_frequency: a gait at one stride frequency
     frequencies_hz: list[float] = MISSING  # stride frequencies of the clips that are used
-    mirrored: bool = MISSING  # also the left-right mirror image of every clip, perturbed ones too
+    mirrored: bool = MISSING  # also the left-right mirror images, perturbed clips' without their start
     num_preloaded: int = MISSING  # transitions
     perturbed_folder: str | None = MISSING  # None: one below <output_dir>/motions
     perturbed_clips: int = MISSING  # for imitation

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 from rich.progress import Progress, track
 
 from camp import distributed, motion
@@ -24,6 +25,7 @@ from camp.motion.requests import ClipRequest, perturbed_requests
 from camp.robots import go2
 from camp.seeding import generator
 
+START_S = 0.5  # of a perturbed clip: the slowest gait's first stride
 PERTURBED_SEED = 1  # of the random commands and the noise; the same clips for every training seed
 
 
@@ -61,7 +63,7 @@ def keep_imitating(training: Training, config: Config) -> None:
 def perturbed_clips(config: Config) -> list[Clip]:
     """The clips of conf/motion's ``perturbed_folder``, after generating the missing ones.
 
-    With ``motion.mirrored`` each is followed by its mirror image.
+    With ``motion.mirrored`` each is followed by its mirror image without the start.
     """
     wanted = config.motion
     cells = [(gait, frequency) for gait in wanted.skills for frequency in wanted.frequencies_hz]
@@ -79,7 +81,7 @@ def perturbed_clips(config: Config) -> list[Clip]:
             "or train with run=scratch"
         )
     clips = [load_clip(path) for path in made]
-    return [image for clip in clips for image in (clip, mirrored(clip))] if wanted.mirrored else clips
+    return [one for clip in clips for one in (clip, _under_way(mirrored(clip)))] if wanted.mirrored else clips
 
 
 def _generate_missing(requests: list[ClipRequest], folder: Path) -> None:
@@ -95,6 +97,17 @@ def _generate_missing(requests: list[ClipRequest], folder: Path) -> None:
             if outcome.status == "failed":
                 file.write(f"{outcome.request.name}\n")
             progress.advance(task)
+
+
+def _under_way(clip: Clip) -> Clip:
+    """The clip without its start.
+
+    A robot that stands is its own mirror image. Shown to begin with the left foot and with the right one, a clone
+    answers with the mean of both and goes on standing.
+    """
+    first = round(START_S / clip.dt)
+    arrays = {name: value for name, value in vars(clip).items() if isinstance(value, np.ndarray)}
+    return replace(clip, **{name: rows[first:] for name, rows in arrays.items() if len(rows) == len(clip)})
 
 
 @contextlib.contextmanager
