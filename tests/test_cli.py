@@ -19,6 +19,7 @@ import camp.compose
 import camp.hydra_errors
 from camp.cli import EXIT_BUG, EXIT_INPUT, EXIT_INTERRUPTED, new_run_folder, run_hydra
 from camp.errors import ConfigError
+from tests.errors import assert_one_line
 
 FILES = {
     "conf/train.yaml": """
@@ -99,7 +100,7 @@ def refuse(arguments: str, capsys) -> str:
     assert task.seeds == []
     captured = capsys.readouterr()
     assert captured.out == ""
-    assert captured.err.startswith("error: ") and captured.err.count("\n") == 1
+    assert_one_line(captured.err)
     assert list(Path.cwd().iterdir()) == []
     return captured.err
 

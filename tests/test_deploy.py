@@ -21,6 +21,7 @@ from camp.export import export_policy
 from camp.metrics.gait import measure_gait
 from camp.motion.skills import performed
 from camp.paths import policies_root
+from tests.errors import assert_one_line
 from tests.small_run import small_run
 
 onnx = pytest.importorskip("onnx", reason="comes with the export extra")
@@ -162,7 +163,7 @@ def test_the_command_as_it_is_typed(policy, run):
 def test_input_that_cannot_be_used_is_one_line(policy, run, capfd, arguments, message):
     assert deploy.main([argument.format(run=run) for argument in arguments]) == 2
     captured = capfd.readouterr()
-    assert captured.err.startswith("error: ") and message in captured.err and captured.err.count("\n") == 1
+    assert_one_line(captured.err, message)
 
 
 @pytest.mark.parametrize(
@@ -193,7 +194,7 @@ def test_metadata_that_cannot_be_used_are_one_line(policy, run, tmp_path, capfd,
     onnx.save(model, tmp_path / "policy.onnx")
     assert deploy.main([str(tmp_path / "policy.onnx"), "--skill", "trot"]) == 2
     captured = capfd.readouterr()
-    assert captured.err.startswith("error: ") and message in captured.err and captured.err.count("\n") == 1
+    assert_one_line(captured.err, message)
 
 
 def test_an_answer_that_is_no_number_is_an_error(run, tmp_path):

@@ -19,6 +19,7 @@ from camp.logger import read_metrics
 from camp.paths import policies_root, results_folder
 from camp.provenance import condensed
 from camp.ship import ship, ship_policy
+from tests.errors import assert_one_line
 from tests.small_run import small_run
 
 ARGUMENTS = ["/somewhere/train.py", "run=smoke", "seed=3", "output_dir=/somewhere/runs", "logger.wandb_mode=disabled"]
@@ -203,7 +204,7 @@ def test_a_damaged_record_is_one_line(run, tmp_path, capsys, file, content, mess
     (damaged / file).write_text(content)
     assert run_command(ship, [f"run={damaged}", "name=mine", f"output={tmp_path / 'out'}"], "usage") == 2
     captured = capsys.readouterr()
-    assert captured.err.startswith("error: ") and message in captured.err and captured.err.count("\n") == 1
+    assert_one_line(captured.err, message)
     assert not (tmp_path / "out").exists()
 
 

@@ -17,6 +17,7 @@ from camp.checkpoint import load_checkpoint
 from camp.compose import compose_config
 from camp.runner import Runner
 from tests.algo.synthetic import assert_identical
+from tests.errors import assert_one_line
 from tests.ranks import in_ranks
 from tests.test_train import TINY, environment, metrics_of, runs_in, wait_for_checkpoint
 
@@ -74,7 +75,7 @@ def test_two_processes_are_one_run(tmp_path):
         [sys.executable, "-m", "camp.train", f"resume={folder}"], env=environment(), capture_output=True, text=True
     )
     assert alone.returncode == 2
-    assert alone.stderr.startswith("error: ") and alone.stderr.count("\n") == 1
+    assert_one_line(alone.stderr)
     assert "trained by 2 processes" in alone.stderr and "torchrun --nproc-per-node=2" in alone.stderr
 
     longer = run(tmp_path, f"resume={folder}", "run.iterations=6")

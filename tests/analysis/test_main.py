@@ -14,6 +14,7 @@ from camp.motion.gaits import GAIT_PHASES
 from camp.motion.skills import skill_set
 from camp.provenance import condensed
 from tests.analysis.synthetic import clip_features, metrics, write_evaluation, write_metrics
+from tests.errors import assert_one_line
 
 FIGURES = ("training.png", "contacts.png", "clusters.png", "dtw.png")
 
@@ -90,4 +91,4 @@ def test_errors_are_one_line_and_code_two(arguments, tmp_path, monkeypatch, caps
     assert command.main(arguments) == 2
     output = capsys.readouterr()
     assert output.out == ""
-    assert output.err.startswith("error: ") and output.err.count("\n") == 1
+    assert_one_line(output.err)
