@@ -18,7 +18,7 @@ from sklearn.preprocessing import StandardScaler
 
 from analysis.load import ClipFeatures, gaits_of
 from analysis.style import WIDE, new_figure, skill_shades, style
-from camp.motion.skills import Skill
+from camp.gaits.skills import Skill
 
 POINTS_PER_SKILL = 200  # t-SNE of 1600 points takes seconds; more only thickens the clusters
 

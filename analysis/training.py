@@ -15,7 +15,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, PercentFor
 from numpy.typing import NDArray
 
 from analysis.style import INK, TERM_COLOURS, new_figure, skill_colours, style
-from camp.histogram import EDGES
+from camp.common.histogram import EDGES
 from camp.metrics.tracking import FAST_COMMAND_M_S
 
 PAGE = (7.2, 8.2)  # inches
@@ -66,7 +66,7 @@ class LogitSpread:
     """How the policy's logits were spread at each of P readings.
 
     edges: (P + 1,) environment steps in millions; a reading fills the time since the one before; share: (P, B) in
-    the bins of `camp.histogram`.
+    the bins of `camp.common.histogram`.
     """
 
     edges: NDArray[np.floating]

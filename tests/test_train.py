@@ -14,9 +14,9 @@ from pathlib import Path
 import pytest
 
 from camp.build import motion_folder
-from camp.cli import run_hydra
-from camp.compose import compose_config
-from camp.config import load_run_config
+from camp.cli.hydra_main import run_hydra
+from camp.config.compose import compose_config
+from camp.config.resolve import load_run_config
 from camp.train import train
 
 TINY = ["sim.num_envs=8", "sim.threads=1", "run.rollout_steps=8", "motion.num_preloaded=400"]

@@ -7,7 +7,7 @@ from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from camp.algo.config import AlgoConfig
-from camp.errors import ConfigError
+from camp.common.errors import ConfigError
 from tests.algo.synthetic import CONF, shipped_config
 
 

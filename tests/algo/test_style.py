@@ -10,9 +10,9 @@ import torch
 from camp.algo.losses import style_reward
 from camp.algo.models import SkillEmbedding
 from camp.algo.style import StylePrior
+from camp.common.errors import ConfigError
+from camp.common.histogram import EDGES
 from camp.data import Transition, concatenate
-from camp.errors import ConfigError
-from camp.histogram import EDGES
 from tests.algo.synthetic import (
     SKILLS,
     STATE_SIZE,

@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 
 from analysis.style import GAIT_COLOURS
 from analysis.training import compute_curves, draw_curves, running_mean
-from camp.histogram import EDGES
-from camp.motion.gaits import GAIT_PHASES
-from camp.provenance import condensed
+from camp.common.histogram import EDGES
+from camp.deployment.provenance import condensed
+from camp.gaits.schedule import GAIT_PHASES
 from tests.analysis.synthetic import metrics
 
 PANELS = ("gait", "reward", "error", "falls", "accuracy", "logits", "kl", "rate")

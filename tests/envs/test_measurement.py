@@ -10,7 +10,7 @@ import torch
 
 from camp.envs.measurement import AMP_STATE_SIZE, measure, rotate, rotate_inverse
 from camp.envs.rewards import angular_velocity_reward, averaged, linear_velocity_reward
-from camp.motion.clips import amp_state
+from camp.motion.clips.clip import amp_state
 from camp.robots import go2
 from camp.sim.base import RobotState
 

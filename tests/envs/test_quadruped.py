@@ -9,11 +9,11 @@ import pytest
 import torch
 
 from camp.build import build_env
-from camp.config import Config
+from camp.config.schema import Config
 from camp.envs.commands import sample_commands
 from camp.envs.measurement import measure
 from camp.envs.quadruped import STARTS_PERIOD_S, QuadrupedEnv
-from camp.motion.clips import Clip, amp_state
+from camp.motion.clips.clip import Clip, amp_state
 from camp.robots import go2
 from camp.sim.base import Dynamics
 

@@ -7,10 +7,10 @@ import timeit
 import numpy as np
 import pytest
 
+from camp.common.paths import assets_root
+from camp.gaits.schedule import GAIT_PHASES
 from camp.metrics.gait import label_over_time, measure_gait, pair_phase_errors, phase_error, switch_time
-from camp.motion.clips import load_clips
-from camp.motion.gaits import GAIT_PHASES
-from camp.paths import assets_root
+from camp.motion.clips.store import load_clips
 
 PERIOD = 0.02  # s
 

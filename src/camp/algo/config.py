@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from omegaconf import MISSING
 
-from camp import checks
+from camp.common import checks
 
 PRECISIONS = ("float32", "bfloat16", "tf32")
 

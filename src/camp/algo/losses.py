@@ -6,19 +6,12 @@ Shapes: B batch, T time, N environments, A actions, Z embedding; leading dimensi
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import torch
 from torch import Tensor
 from torch.nn import functional
 
 LOG_SQRT_2PI = 0.5 * math.log(2.0 * math.pi)
-
-
-def mix_rewards(terms: Mapping[str, Tensor], weights: Mapping[str, float]) -> Tensor:
-    """r = sum_i w_i r_i over the terms present, eq. (2). Raises KeyError where a term has no weight."""
-    total = [weights[name] * term for name, term in terms.items()]
-    return torch.stack(total).sum(dim=0)
 
 
 def lsgan_loss(expert_logit: Tensor, policy_logit: Tensor) -> Tensor:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import torch
 from torch import Tensor, nn
 
-from camp import distributed
+from camp.common import distributed
 
 VARIANCE_FLOOR = 1e-6  # squared input units; keeps inputs that never vary (an unused one-hot entry) finite
 

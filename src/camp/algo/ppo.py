@@ -9,8 +9,6 @@ from typing import Any, TypeVar
 import torch
 from torch import Tensor, nn
 
-from camp import distributed
-from camp.algo.averages import Averages
 from camp.algo.config import PPOConfig
 from camp.algo.losses import (
     clipped_surrogate_loss,
@@ -21,6 +19,8 @@ from camp.algo.losses import (
 )
 from camp.algo.models import Critic, GaussianActor
 from camp.algo.optimization import backward
+from camp.common import distributed
+from camp.common.averages import Averages
 from camp.data import Decision, Rollout
 
 AuxiliaryLoss = Callable[[GaussianActor], Tensor]  # () to be added to the surrogate's, once a minibatch

@@ -9,7 +9,6 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from camp.algo.averages import Averages
 from camp.algo.config import StyleConfig
 from camp.algo.losses import gradient_penalty, lsgan_loss, style_reward
 from camp.algo.models import ConditionalDiscriminator, SkillEmbedding
@@ -17,9 +16,10 @@ from camp.algo.normalizer import RunningNormalizer
 from camp.algo.optimization import backward
 from camp.algo.prior import DemonstrationSource, draw, in_chunks
 from camp.algo.replay import ReplayBuffer
+from camp.common.averages import Averages
+from camp.common.errors import ConfigError
+from camp.common.histogram import shares
 from camp.data import Transition, concatenate
-from camp.errors import ConfigError
-from camp.histogram import shares
 
 
 class StylePrior:
@@ -93,7 +93,7 @@ class StylePrior:
     def histograms(
         self, policy: Transition, demonstrations: DemonstrationSource, generator: torch.Generator
     ) -> dict[str, list[float]]:
-        """How D's logits of a fresh expert batch and of all policy transitions are spread (`camp.histogram`)."""
+        """How D's logits of a fresh expert batch and of all policy transitions are spread (`camp.common.histogram`)."""
         expert = demonstrations.sample(self.config.batch_size, generator)
         return {
             "prior/style/logit_histogram/expert": shares(self.logit(expert)),

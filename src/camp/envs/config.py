@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from omegaconf import MISSING
 
-from camp import checks
+from camp.common import checks
 
 
 @dataclass

@@ -11,20 +11,18 @@ import torch
 from gymnasium.vector import AutoresetMode, VectorEnv
 from torch import Tensor
 
-from camp.algo.losses import mix_rewards
-from camp.checkpoint import copied
-from camp.constants import constant
+from camp.common.seeding import generator_state, restore_generator
+from camp.common.tensors import constant, copied
 from camp.data import Step
 from camp.envs import observations
 from camp.envs.commands import sample_commands, sample_skills, uniform
 from camp.envs.config import EnvConfig
 from camp.envs.measurement import AMP_STATE_SIZE, Measurement, measure
-from camp.envs.rewards import averaged, task_rewards
+from camp.envs.rewards import averaged, mix_rewards, task_rewards
 from camp.envs.starts import Starts, draw_starts
 from camp.envs.terminations import failed
-from camp.motion.sampler import ReferenceStates
+from camp.motion.clips.sampler import ReferenceStates
 from camp.robots import go2
-from camp.seeding import generator_state, restore_generator
 from camp.sim.base import Dynamics, Simulator, select
 
 # The observation's bound for values that a diverging simulation produces; far beyond anything physical.

@@ -8,12 +8,12 @@ from typing import Any, Self
 import torch
 from torch import Tensor
 
-from camp.constants import constant
+from camp.common.tensors import constant
 from camp.envs import initialization
 from camp.envs.commands import sample_commands, sample_skills, uniform
 from camp.envs.config import EnvConfig
 from camp.envs.randomization import sample_dynamics
-from camp.motion.sampler import ReferenceStates
+from camp.motion.clips.sampler import ReferenceStates
 from camp.robots import go2
 from camp.sim.base import Dynamics, InitialState
 

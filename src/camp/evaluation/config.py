@@ -9,8 +9,8 @@ from typing import Any, cast
 
 from omegaconf import MISSING, DictConfig, OmegaConf
 
-from camp import checks
-from camp.config import without_hydra
+from camp.common import checks
+from camp.config.resolve import without_hydra
 from camp.evaluation.conditions import Condition, check_conditions
 
 PARTS = ("gait", "switching", "tracking", "quality", "style", "robustness")

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from camp.build import build_env
-from camp.config import Config
+from camp.config.schema import Config
 from camp.envs.measurement import measure
 from camp.envs.observations import noise_width
 from camp.evaluation.physics import MotorLaw, sliding_speed
 from camp.evaluation.plan import Plan
-from camp.motion.clips import Clip
+from camp.motion.clips.clip import Clip
 
 Policy = Callable[[Tensor], Tensor]  # observation (N, O) -> action (N, 12)
 Floats = NDArray[np.floating]

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from camp.evaluation.rollout import Recording
 from camp.evaluation.values import by_kind, mean
+from camp.gaits.skills import Skill
 from camp.metrics.effort import torque_use, velocity_jump
 from camp.metrics.gait import label_over_time, switch_time
 from camp.metrics.switching import peak_in_windows, quantile_of_switches, share_within
 from camp.metrics.tracking import joint_tracking_accuracy, joint_tracking_of_range
-from camp.motion.skills import Skill
 from camp.robots import go2
 
 WINDOW_S = 0.5  # behind a switch and, for steady walking, before the next one or the end

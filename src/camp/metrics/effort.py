@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from camp.motion.rigid_body import GRAVITY
+from camp.robots.go2 import GRAVITY
 
 Array = NDArray[np.floating]
 
