@@ -28,7 +28,7 @@ class Clusters:
     """B transitions in the plane, with two labellings of the same names.
 
     position: (B, 2), no unit; skill: (B,) true names; cluster: (B,) names that K-means' clusters were matched
-    to; rand: adjusted Rand index, 0 for chance, 1 for the same partition; purity: share of points whose
+    to; rand: adjusted Rand index, 0 for chance, 1 for the same partition; purity: fraction of points whose
     cluster's most frequent skill is their own.
     """
 

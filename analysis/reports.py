@@ -18,7 +18,7 @@ SAME = ("variant", "iteration", "parts", "duration_s", "discard_s")  # keys in w
 class SkillGait:
     """How the policy walks under one commanded skill."""
 
-    accuracy: float  # share of the roll-outs that show it
+    accuracy: float  # fraction of the roll-outs that show it
     frequency_hz: float | None  # None where no robot steps
 
 

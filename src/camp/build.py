@@ -32,7 +32,7 @@ from camp.motion.clips.clip import Clip
 from camp.motion.clips.sampler import Demonstrations, ReferenceStates
 from camp.motion.clips.store import load_clips
 from camp.robots import go2
-from camp.runs.checkpoint import MISFITS, latest_checkpoint, load_checkpoint, misfit
+from camp.runs.checkpoint import INCOMPATIBLE, incompatible, latest_checkpoint, load_checkpoint
 from camp.sim.base import Simulator
 from camp.sim.choice import warp_installed
 from camp.sim.config import SimConfig
@@ -188,8 +188,8 @@ def load_run(folder: Path) -> Run:
             embedding = SkillEmbedding(len(skills), config.algo.embedding_size, weights)
             skill_prior = SkillPrior(config.algo.skill, embedding, skills, AMP_STATE_SIZE, weights)
             skill_prior.load_state_dict(state["priors"]["skill"])
-    except MISFITS as error:
-        raise misfit(folder, error) from error
+    except INCOMPATIBLE as error:
+        raise incompatible(folder, error) from error
     _check_finite("policy", [actor], folder)
     _check_finite("skill discriminator", skill_prior.networks() if skill_prior else [], folder)
     return Run(config, iteration, actor, skills, skill_prior, expert_clips(config))

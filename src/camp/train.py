@@ -23,7 +23,7 @@ from camp.common.seeding import seed_everything
 from camp.common.threads import set_threads
 from camp.config.resolve import as_yaml, load_run_config, resolve
 from camp.config.schema import Config
-from camp.runs.checkpoint import MISFITS, load_checkpoint, misfit
+from camp.runs.checkpoint import INCOMPATIBLE, incompatible, load_checkpoint
 from camp.runs.folder import IMITATION, new_run_folder
 from camp.runs.logger import NoLogger, RunLogger
 from camp.runs.wandb_run import RunIdentity
@@ -162,8 +162,8 @@ def _check_ranks(checkpoint: dict, folder: Path) -> None:
 def _restore(runner: Runner, checkpoint: dict) -> None:
     try:
         runner.load_state_dict(checkpoint)
-    except MISFITS as error:
-        raise misfit(runner.folder, error) from error
+    except INCOMPATIBLE as error:
+        raise incompatible(runner.folder, error) from error
 
 
 @contextmanager

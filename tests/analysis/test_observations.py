@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from camp.common.paths import repository_root
 from analysis.observations import document
+from camp.common.paths import repository_root
 
 
 def test_the_page_is_up_to_date():

@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from camp.common import distributed
-from camp.common.histogram import BINS, EDGES, shares
+from camp.common.histogram import BINS, EDGES, fractions
 from tests.ranks import in_ranks
 
 
@@ -15,19 +15,19 @@ def test_shares_are_those_of_numpy_and_the_outer_bins_take_the_rest():
     values = 1.5 * torch.randn(40, 50, generator=torch.Generator().manual_seed(0))
     assert (values.abs() > 3.0).any()
     counted, edges = np.histogram(values.clamp(-3.0, 3.0).numpy(), bins=24, range=(-3.0, 3.0))
-    assert shares(values) == pytest.approx((counted / 2000).tolist())
+    assert fractions(values) == pytest.approx((counted / 2000).tolist())
     assert pytest.approx(edges.tolist()) == EDGES
-    assert sum(shares(values)) == pytest.approx(1.0)
+    assert sum(fractions(values)) == pytest.approx(1.0)
 
 
 def test_a_value_on_an_edge_belongs_above_it():
-    found = shares(torch.tensor([-3.0, -2.75, 0.0, 3.0]))
+    found = fractions(torch.tensor([-3.0, -2.75, 0.0, 3.0]))
     assert len(found) == BINS
-    assert {bin_: share for bin_, share in enumerate(found) if share} == {0: 0.25, 1: 0.25, 12: 0.25, 23: 0.25}
+    assert {bin_: fraction for bin_, fraction in enumerate(found) if fraction} == {0: 0.25, 1: 0.25, 12: 0.25, 23: 0.25}
 
 
 def one_value_or_three() -> list[float]:
-    return shares(torch.full((3, 1), -9.0) if distributed.is_first() else torch.tensor([9.0]))
+    return fractions(torch.full((3, 1), -9.0) if distributed.is_first() else torch.tensor([9.0]))
 
 
 @pytest.mark.slow

@@ -31,8 +31,8 @@ def test_legs_that_stand(gait: str, first_quarter: list[int], third_quarter: lis
 def test_every_leg_stands_its_duty(gait: str, frequency: float) -> None:
     schedule = GaitSchedule(gait, frequency)
     times = (np.arange(6000) + 0.5) / 6000 * schedule.period
-    share = schedule.contact(times).mean(0)
-    np.testing.assert_allclose(share, schedule.duty, atol=1e-3)
+    fraction = schedule.contact(times).mean(0)
+    np.testing.assert_allclose(fraction, schedule.duty, atol=1e-3)
 
 
 @pytest.mark.parametrize(("gait", "frequency"), ALL)

@@ -95,11 +95,11 @@ def test_leftovers_of_a_killed_writer_are_ignored_and_removed(run):
     assert not leftover.exists()
 
 
-@pytest.mark.parametrize("share", [0.0, 0.3, 0.99])
-def test_truncated_file_names_the_last_good_one(run, share):
+@pytest.mark.parametrize("fraction", [0.0, 0.3, 0.99])
+def test_truncated_file_names_the_last_good_one(run, fraction):
     path = run / "checkpoints" / "checkpoint_00000030.pt"
     content = path.read_bytes()
-    path.write_bytes(content[: int(share * len(content))])
+    path.write_bytes(content[: int(fraction * len(content))])
     assert "checkpoint_00000020.pt" in message_of(path)
     with pytest.raises(CheckpointError, match=r"checkpoint_00000030\.pt: truncated"):
         load_checkpoint(run)  # no silent step back

@@ -163,13 +163,13 @@ def test_group_tags_and_config_reach_wandb(tmp_path):
 
 
 def test_histograms_are_lists_on_disk_and_histograms_in_wandb(tmp_path):
-    shares = [0.0] * 23 + [1.0]
+    fractions = [0.0] * 23 + [1.0]
     with RunLogger(identity(tmp_path / "run"), OFFLINE, CONFIG, announce=lambda _: None) as record:
-        record.log(1, {"ppo/kl": 0.5, "logits": shares})
-    assert read_metrics(tmp_path / "run" / "metrics.jsonl") == [{"iteration": 1, "ppo/kl": 0.5, "logits": shares}]
+        record.log(1, {"ppo/kl": 0.5, "logits": fractions})
+    assert read_metrics(tmp_path / "run" / "metrics.jsonl") == [{"iteration": 1, "ppo/kl": 0.5, "logits": fractions}]
     (run,) = (tmp_path / "run" / "wandb").glob("offline-run-*")
     found = wandb_record(run)["summary"]["logits"]
-    assert found == {"_type": "histogram", "values": shares, "bins": [-3.0 + 0.25 * edge for edge in range(25)]}
+    assert found == {"_type": "histogram", "values": fractions, "bins": [-3.0 + 0.25 * edge for edge in range(25)]}
 
 
 def test_resumed_run_continues_the_same_wandb_id(tmp_path):

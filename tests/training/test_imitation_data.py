@@ -27,7 +27,7 @@ def test_pairs_of_a_clip_by_hand(config, clips):
 
 def test_the_environment_shows_the_same_observation(config, clips):
     """A robot set into a frame of a clip observes exactly what the imitation data holds for that frame."""
-    config.env.initialization.reference_share = 1.0
+    config.env.initialization.reference_fraction = 1.0
     env = build_env(config, clips)
     observation, _ = env.reset(seed=3, options={"stagger": False})
     data = imitation_data(clips, config, torch.device("cpu"))
@@ -53,7 +53,7 @@ def test_clips_that_show_no_skill_are_left_out(config, clips):
 
 def test_the_applied_targets_replay_the_clip(config, clips):
     """Actions taken from a clip, through the environment's own action scale and PD, reproduce its motion."""
-    config.env.initialization.reference_share = 1.0
+    config.env.initialization.reference_fraction = 1.0
     config.sim.num_envs = 1
     clip = next(clip for clip in clips if clip.gait == "trot")
     data = imitation_data([clip], config, torch.device("cpu"))

@@ -66,8 +66,8 @@ def gae(
     next_value: Tensor,
     terminated: Tensor,
     truncated: Tensor,
-    discount: float,
-    trace: float,
+    gamma: float,
+    gae_lambda: float,
 ) -> tuple[Tensor, Tensor]:
     """Generalized advantage estimation (Schulman et al. 2016); all (T, N), returns (advantage, return).
 
@@ -77,9 +77,9 @@ def gae(
     """
     same_episode = (~(terminated | truncated)).to(reward.dtype)
     # Filled, not multiplied by zero: an episode that ended because it diverged may have no finite value.
-    future = discount * next_value.masked_fill(terminated, 0.0)
+    future = gamma * next_value.masked_fill(terminated, 0.0)
     error = reward + future - value  # (T, N) one-step TD error
-    decay = discount * trace * same_episode
+    decay = gamma * gae_lambda * same_episode
     advantage = torch.empty_like(error)
     running = torch.zeros_like(error[0])
     for t in range(reward.shape[0] - 1, -1, -1):

@@ -69,7 +69,7 @@ def _now(device: torch.device) -> float:
 
 
 def _in_turn(named: Rounds, device: torch.device) -> dict[str, list[float]]:
-    """Control steps per second of each contender, one value per round."""
+    """Control steps per second of each candidate, one value per round."""
     speeds: dict[str, list[float]] = {name: [] for name in named}
     for turn in range(ROUNDS + 1):
         for name, run in named.items():
@@ -138,8 +138,8 @@ def _print_sampling(training: Training) -> None:
 def _print_stepping(speeds: dict[str, list[float]], config: Config) -> None:
     print(f"\n{config.sim.num_envs:,} robots, control steps per second, median of {ROUNDS} rounds in turn:")
     table = Table()
-    for heading in ("contender", "steps/s", "of bare (median of pairs)"):
-        table.add_column(heading, justify="left" if heading == "contender" else "right")
+    for heading in ("candidate", "steps/s", "of bare (median of pairs)"):
+        table.add_column(heading, justify="left" if heading == "candidate" else "right")
     bare = next(iter(speeds.values()))
     for name, values in speeds.items():
         ratio = statistics.median(value / base for value, base in zip(values, bare, strict=True))

@@ -21,6 +21,7 @@ from camp.common.errors import ConfigError, LauncherError
 from camp.common.paths import config_root
 from camp.config.compose import register_ablations
 from camp.config.hydra_errors import INPUT_ERRORS, describe
+from camp.config.renamed import renamed_overrides
 
 EXIT_BUG = 1
 EXIT_INPUT = 2
@@ -131,7 +132,7 @@ def _overrides_first(argv: Sequence[str]) -> list[str]:
     for name in _FLAGS_WITH_VALUE:
         if options and options[-1] == name:
             raise ConfigError(f"option {name}: has no value; write {name} <value>, see --hydra-help")
-    return overrides + options
+    return renamed_overrides(overrides) + options
 
 
 def _check_options(arguments: Sequence[str]) -> None:

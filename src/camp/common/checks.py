@@ -31,12 +31,12 @@ def finite(key: str, value: float) -> None:
     require(math.isfinite(value), key, value, "choose a finite number")
 
 
-def share(key: str, value: float) -> None:
-    require(0.0 <= value <= 1.0, key, value, "choose a share in [0, 1]")
+def fraction(key: str, value: float) -> None:
+    require(0.0 <= value <= 1.0, key, value, "choose a fraction in [0, 1]")
 
 
-def share_below_one(key: str, value: float) -> None:
-    require(0.0 <= value < 1.0, key, value, "choose a share in [0, 1)")
+def fraction_below_one(key: str, value: float) -> None:
+    require(0.0 <= value < 1.0, key, value, "choose a fraction in [0, 1)")
 
 
 def layers(key: str, sizes: Sequence[int]) -> None:

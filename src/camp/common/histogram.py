@@ -1,4 +1,4 @@
-"""Histograms as metrics: the shares of values in fixed bins, so that one of any iteration compares with any other."""
+"""Histograms as metrics: fractions of values in fixed bins, so that those of any two iterations compare."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ LIMIT = 3.0  # bins lie between -LIMIT and LIMIT; least squares draws logits to 
 EDGES: tuple[float, ...] = tuple(np.linspace(-LIMIT, LIMIT, BINS + 1).tolist())  # BINS + 1
 
 
-def shares(values: Tensor) -> list[float]:
-    """Values of any shape -> share of all ranks' values in each of the BINS bins, lower edge included; sums to 1.
+def fractions(values: Tensor) -> list[float]:
+    """Values of any shape -> fraction of all ranks' values in each of the BINS bins, lower edge included; sums to 1.
 
     The outer bins take what lies beyond them. Every rank calls it, with at least one value on one of them.
     """

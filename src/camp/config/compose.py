@@ -11,6 +11,7 @@ from hydra.core.plugins import Plugins
 from hydra.plugins.search_path_plugin import SearchPathPlugin
 
 from camp.common.paths import ablation_root, config_root
+from camp.config.renamed import renamed_overrides
 from camp.config.resolve import resolve
 from camp.config.schema import Config
 
@@ -38,6 +39,6 @@ def compose_config(overrides: Sequence[str] = ()) -> Config:
     GlobalHydra.instance().clear()
     try:
         with initialize_config_dir(str(config_root()), version_base="1.3"):
-            return resolve(compose("train", overrides=list(overrides)))
+            return resolve(compose("train", overrides=renamed_overrides(overrides)))
     finally:
         GlobalHydra.instance().hydra = under_way

@@ -12,6 +12,7 @@ from yaml import YAMLError
 from camp.common.errors import ConfigError
 from camp.common.paths import config_root
 from camp.config.hydra_errors import INPUT_ERRORS, diagnosis
+from camp.config.renamed import renamed_overrides, with_new_names
 from camp.config.schema import Config
 from camp.runs.folder import CONFIG
 from camp.sim.choice import AUTO, why_no_gpu
@@ -53,7 +54,7 @@ def load_run_config(run: Path, changes: Sequence[str] = ()) -> Config:
         ) from error
     if not changes:
         return config
-    return resolve(cast(DictConfig, OmegaConf.merge(saved, OmegaConf.from_dotlist(list(changes)))))
+    return resolve(cast(DictConfig, OmegaConf.merge(saved, OmegaConf.from_dotlist(renamed_overrides(changes)))))
 
 
 def _load_yaml(path: Path) -> DictConfig:
@@ -64,7 +65,7 @@ def _load_yaml(path: Path) -> DictConfig:
         raise ConfigError(f"file {path}: cannot be read as YAML ({reason}); restore the original file") from error
     if not isinstance(loaded, DictConfig):
         raise ConfigError(f"file {path}: a list, not a configuration; restore the original file")
-    return loaded
+    return with_new_names(loaded)
 
 
 def without_hydra(config: DictConfig) -> DictConfig:

@@ -128,7 +128,7 @@ def block_length(rows: int) -> int:
 
 def condensed(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """At most MAX_ROWS rows: blocks of as many iterations each, every value the mean over those that have it, and
-    every histogram the mean of each of its shares."""
+    every histogram the mean of each of its fractions."""
     length = block_length(len(rows))
     return [rounded(_mean(rows[start : start + length])) for start in range(0, len(rows), length)]
 

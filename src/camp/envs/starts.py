@@ -54,7 +54,7 @@ def draw_starts(
         dynamics = sample_dynamics(num, config.randomization, generator)
     skill = sample_skills(num, references.num_skills, generator)
     reference = references.sample(skill, generator)
-    at_reference = uniform((0.0, 1.0), (num,), generator) < init.reference_share
+    at_reference = uniform((0.0, 1.0), (num,), generator) < init.reference_fraction
     initial = initialization.merge(
         at_reference, initialization.from_reference(reference), initialization.standing(num, init, generator)
     )

@@ -70,7 +70,7 @@ class TargetsConfig:
 
     def check(self) -> None:
         for name in ("gait_accuracy", "switches_established", "joint_tracking"):
-            checks.share(f"targets.{name}", getattr(self, name))
+            checks.fraction(f"targets.{name}", getattr(self, name))
         for name in ("falls_per_100_episodes", "linear_error_m_s", "yaw_rate_error_rad_s"):
             checks.not_negative(f"targets.{name}", getattr(self, name))
 

@@ -24,7 +24,7 @@ GAIT_PHASES: dict[str, tuple[float, float, float, float]] = {
 # Control intervals per stride: about 25 ms at 2 Hz and 21 ms at 3 and 4 Hz.
 GRID_STEPS: dict[float, int] = {2.0: 20, 3.0: 16, 4.0: 12}
 
-# Share of the stride a leg stands. Every value times GRID_STEPS is a whole number, so that contact switches
+# Fraction of the stride a leg stands. Every value times GRID_STEPS is a whole number, so that contact switches
 # fall on the grid of the controller. Bound and pronk need a flight phase; at 2 Hz a pronk with duty .5 would
 # have to leap 7.7 cm high, so it stands longer.
 DUTY_FACTOR: dict[str, dict[float, float]] = {
@@ -62,7 +62,7 @@ class GaitSchedule:
 
     @property
     def duty(self) -> float:
-        """Share of the stride that each leg stands."""
+        """Fraction of the stride that each leg stands."""
         return DUTY_FACTOR[self.gait][self.frequency_hz]
 
     @property
@@ -117,6 +117,6 @@ def nominal_contact(gait: str, frequency_hz: float, time: np.ndarray) -> np.ndar
 
 
 def nominal_flight(gait: str, frequency_hz: float) -> float:
-    """Share of the stride in which no leg stands."""
+    """Fraction of the stride in which no leg stands."""
     moments = (np.arange(1200) + 0.5) / 1200 / frequency_hz
     return float(1.0 - nominal_contact(gait, frequency_hz, moments).any(axis=-1).mean())

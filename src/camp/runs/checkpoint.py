@@ -40,7 +40,7 @@ _UNREADABLE = (
 )
 
 #: What reading entries of a state raises where it is not built as expected.
-MISFITS = (LookupError, RuntimeError, TypeError, ValueError, AttributeError, ArithmeticError)
+INCOMPATIBLE = (LookupError, RuntimeError, TypeError, ValueError, AttributeError, ArithmeticError)
 
 
 def save_checkpoint(path: Path, state: Mapping[str, Any]) -> Path:
@@ -105,7 +105,7 @@ def load_checkpoint(source: Path, device: torch.device | str = "cpu") -> dict[st
         raise CheckpointError(f"{error}; {_remedy(path)}") from error.__cause__
 
 
-def misfit(run: Path, error: Exception) -> CheckpointError:
+def incompatible(run: Path, error: Exception) -> CheckpointError:
     """What to raise where the networks of a run's configuration do not take the state of its checkpoint."""
     return CheckpointError(
         f"run folder {run}: its {latest_checkpoint(run).name} does not fit its config.yaml ({_what_differs(error)}); "

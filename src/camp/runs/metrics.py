@@ -1,6 +1,6 @@
 """The metrics of a run, one JSON object per iteration: ``{"iteration": 12, "reward/style/raw": 0.4, ...}``.
 
-A value that is not finite is written as null, which strict JSON readers accept. A histogram is a list of its shares.
+A value that is not finite is written as null, which strict JSON readers accept. A histogram is a list of its fractions.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 from camp.common.errors import CheckpointError
 from camp.common.files import write_text
 
-Metric = float | list[float]  # a list: a histogram's shares, in the bins of camp.common.histogram
+Metric = float | list[float]  # a list: a histogram's fractions, in the bins of camp.common.histogram
 
 
 def metrics_line(iteration: int, metrics: Mapping[str, Metric]) -> str:

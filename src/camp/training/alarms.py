@@ -45,8 +45,8 @@ def alarms_of(config: Config) -> list[Alarm]:
             "skills_merged",
             lambda m: m.get("prior/style/embedding_similarity", 0.0) > 0.9,
             20,
-            "two skills have nearly the same embedding: more algo.style.mismatch_share (0.5 in run=quick) or a lower "
-            "algo.style.learning_rate",
+            "two skills have nearly the same embedding: more algo.style.mismatch_fraction (0.5 in run=quick) or a "
+            "lower algo.style.learning_rate",
         ),
         Alarm(
             "skill_blind",

@@ -46,7 +46,7 @@ class GaitMonitor:
         self._skill = step.skill
 
     def read(self) -> dict[str, float]:
-        """Share of steady robots that show the commanded gait, per skill; share of them that step at all.
+        """Fraction of steady robots that show the commanded gait, per skill; fraction of them that step at all.
 
         Of all ranks' robots; a skill that none of them follows is left out.
         """

@@ -92,8 +92,8 @@ class Runner:
             rollout.next_value,
             rollout.terminated,
             rollout.truncated,
-            ppo.discount,
-            ppo.trace,
+            ppo.gamma,
+            ppo.gae_lambda,
         )
         scored = time.perf_counter()
 

@@ -41,7 +41,7 @@ def test_imported_clips_feed_the_samplers(tmp_path: Path) -> None:
 def test_training_on_imported_clips(config: Config, tmp_path: Path) -> None:
     config.motion.folder = str(imported_folder(tmp_path))
     config.motion.num_preloaded = 400
-    config.env.initialization.reference_share = 1.0
+    config.env.initialization.reference_fraction = 1.0
     config.run.iterations, config.run.rollout_steps = 2, 8
     training = build_training(config)
     runner = Runner(training, config, tmp_path)

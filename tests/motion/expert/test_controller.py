@@ -92,8 +92,8 @@ def test_torque_needs_a_plan(controller: tuple[GaitController, mujoco.MjData]) -
 @pytest.mark.parametrize("profile", [minimum_jerk, lift])
 def test_swing_profiles_are_consistent(profile: Callable[[float, float], tuple[float, float, float]]) -> None:
     duration, step = 0.25, 1e-5
-    for share in (0.1, 0.4, 0.75):
-        before, here, after = (profile(share + sign * step, duration) for sign in (-1, 0, 1))
+    for fraction in (0.1, 0.4, 0.75):
+        before, here, after = (profile(fraction + sign * step, duration) for sign in (-1, 0, 1))
         per_second = 2 * step * duration
         assert (after[0] - before[0]) / per_second == pytest.approx(here[1], rel=1e-4)
         assert (after[1] - before[1]) / per_second == pytest.approx(here[2], rel=1e-4)

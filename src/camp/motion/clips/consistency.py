@@ -17,7 +17,7 @@ from camp.robots.go2 import FOOT_RADIUS, TORQUE_LIMIT
 
 LOWEST_BASE = 0.15  # m
 LARGEST_TILT = 0.8  # rad, the environment's own limit
-# Velocities against differences of positions, root mean square over the clip as a share of the velocities'
+# Velocities against differences of positions, root mean square over the clip as a fraction of the velocities'
 # own (plus a floor): 20 ms apart, impacts fall between two rows.
 CONSISTENCY = 0.25
 RATE_ERROR = 0.08  # by which the base moves faster or slower than its velocity says
@@ -126,6 +126,6 @@ def _velocities(clip: Clip) -> list[ClipCheck]:
 
 
 def _mismatch(difference: np.ndarray, velocity: np.ndarray, floor: float) -> float:
-    """Distance of differences (T - 1, ...) from the mean velocities, as a share of the velocities' size."""
+    """Distance of differences (T - 1, ...) from the mean velocities, as a fraction of the velocities' size."""
     middle = (velocity[1:] + velocity[:-1]) / 2
     return float(np.sqrt(np.mean((difference - middle) ** 2)) / (np.sqrt(np.mean(velocity**2)) + floor))

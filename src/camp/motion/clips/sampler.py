@@ -52,12 +52,12 @@ class Demonstrations:
         `sample` stays balanced. generator: on the CPU. Raises ClipError for a skill without clips or unequal
         frame rates.
         """
-        share = max(1, num_preloaded // len(skills))
+        fraction = max(1, num_preloaded // len(skills))
         state, skill, counts = [], [], []
         for label, group in enumerate(_by_skill(clips, skills)):
             frames = [torch.from_numpy(amp_state(clip)) for clip in group]
             pairs = torch.cat([torch.stack([s[:-1], s[1:]], dim=1) for s in frames])  # (M_k, 2, S)
-            chosen = pairs[torch.randperm(len(pairs), generator=generator)[:share]]
+            chosen = pairs[torch.randperm(len(pairs), generator=generator)[:fraction]]
             state.append(chosen)
             skill.append(torch.full((len(chosen),), label))
             counts.append(len(chosen))

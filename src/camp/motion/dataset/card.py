@@ -127,8 +127,8 @@ float32."""
 
 _SLOWED = ", ".join(f"a {gait} at {rate:g} Hz to {speed:g} m/s" for (gait, rate), speed in FASTEST.items())
 _LIMITS = f"""Frequency, speed and turn errors are of the means over whole strides. Phases: worst pair of legs.
-Contacts: share of rows and feet that follow the schedule. Duty and flight: difference to the schedule's. Slip: speed
-of standing feet. Torque and joint speed: largest share of the limit. Beyond range: negative where the joints stay
+Contacts: fraction of rows and feet that follow the schedule. Duty and flight: difference to the schedule's. Slip: speed
+of standing feet. Torque and joint speed: largest fraction of the limit. Beyond range: negative where the joints stay
 inside. Replay: the applied targets repeated open loop for half a second from the first row, joint error. What a gait
 does not bear is slowed down: {_SLOWED}. Where commands change or the robot is pushed, phases may be off by .08 and
 contacts match for .85 of the time."""

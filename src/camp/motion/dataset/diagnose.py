@@ -52,21 +52,21 @@ def _wrong_quaternion(clip: Clip) -> str | None:
 
 def _swapped_legs(clip: Clip) -> str | None:
     """Of the orders that make the clip consistent the one that fits best: diagonal legs of a trot move alike."""
-    misfits = {}
+    disagreement = {}
     for order in _LEG_ORDERS:
         for group, names in _LEG_GROUPS.items():
             sorted_legs = replace(clip, **{name: _reordered(getattr(clip, name), order) for name in names})
             if _is_consistent(sorted_legs):
-                misfits[group, tuple(order)] = _misfit(sorted_legs)
-    if not misfits:
+                disagreement[group, tuple(order)] = _disagreement(sorted_legs)
+    if not disagreement:
         return None
-    group, order = min(misfits, key=lambda key: misfits[key])
+    group, order = min(disagreement, key=lambda key: disagreement[key])
     legs = ", ".join(FOOT_NAMES[leg] for leg in order)
     return f"swapped legs: {group} values are in the order {legs}, expected {', '.join(FOOT_NAMES)}"
 
 
-def _misfit(clip: Clip) -> float:
-    """How far joints and feet are from agreeing, in shares of the limits."""
+def _disagreement(clip: Clip) -> float:
+    """How far joints and feet are from agreeing, in fractions of the limits."""
     return sum(check.value / check.limit for check in guard_checks(clip) if check.name.startswith(("joint", "foot")))
 
 

@@ -44,7 +44,7 @@ FASTEST: dict[tuple[str, float], float] = {  # m/s forward
 LOWER, HIGHER = 0.025, 0.015
 # Ranges of random commands, about as wide as what the policy is asked for (conf/env).
 _RANDOM_LOW, _RANDOM_HIGH = np.array([-0.5, -0.25, -0.7]), np.array([0.9, 0.25, 0.7])
-_STRAIGHT_SHARE, _IN_PLACE_SHARE = 0.4, 0.1
+_STRAIGHT_FRACTION, _IN_PLACE_FRACTION = 0.4, 0.1
 _PUSH_SPEED = (0.25, 0.55)  # m/s that a push of the robot's 15.2 kg is good for
 _ROBOT_MASS = 15.2  # kg
 _CHANGES = (0.0, 1.2, 1.3, 2.5, 2.6)  # s, between which a changing command is held or goes over
@@ -212,8 +212,8 @@ def _generator(gait: str, frequency_hz: float, *more: int) -> np.random.Generato
 def random_command(rng: np.random.Generator) -> Twist:
     """A twist from the ranges of the policy's commands, often without sideways speed or turning."""
     command = rng.uniform(_RANDOM_LOW, _RANDOM_HIGH)
-    command[1:][rng.random(2) < _STRAIGHT_SHARE] = 0.0
-    if rng.random() < _IN_PLACE_SHARE:
+    command[1:][rng.random(2) < _STRAIGHT_FRACTION] = 0.0
+    if rng.random() < _IN_PLACE_FRACTION:
         command[:] = 0.0
     vx, vy, wz = (round(float(value), 3) for value in command)
     return vx, vy, wz

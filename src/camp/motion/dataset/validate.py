@@ -18,7 +18,7 @@ REPLAY_ERROR = 0.05  # rad, root mean square over joints and rows
 FREQUENCY_ERROR = 0.03  # of the stride frequency
 PHASE_ERROR = 0.05  # strides, worst pair of legs
 DISTURBED_PHASE_ERROR = 0.08  # where commands change or the robot is pushed
-CONTACT_MATCH = 0.9  # share of rows and feet that follow the schedule
+CONTACT_MATCH = 0.9  # fraction of rows and feet that follow the schedule
 DISTURBED_CONTACT_MATCH = 0.85
 DUTY_ERROR = 0.12  # strides, mean of the legs: 30 ms at 4 Hz, a row and a half
 FLIGHT_ERROR = 0.2  # of the stride, as the feet's switches add up
@@ -103,7 +103,7 @@ def stance_slip(clip: Clip) -> float:
 
 
 def contact_match(clip: Clip) -> float:
-    """Share of rows and feet that follow the gait's schedule, at the best start of the stride."""
+    """Fraction of rows and feet that follow the gait's schedule, at the best start of the stride."""
     starts = np.arange(0.0, 1.0 / clip.frequency_hz, 0.002)
     times = starts[:, None] + np.arange(len(clip)) * clip.dt
     scheduled = nominal_contact(clip.gait, clip.frequency_hz, times + 1e-9)

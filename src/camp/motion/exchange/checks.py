@@ -12,7 +12,7 @@ from camp.robots.go2 import FOOT_RADIUS, JOINT_LOWER, JOINT_NAMES, JOINT_UPPER
 
 RATE_RANGE_HZ = (10.0, 1000.0)
 RATE_ERROR = 0.15  # by which positions may change faster or slower than the joint velocities say
-# Velocities against differences of positions, root mean square as a share of the velocities' own (plus a floor).
+# Velocities against differences of positions, root mean square as a fraction of the velocities' own (plus a floor).
 # Mocap is noisy and every file differentiates in its own way; a wrong frame or column gives 1 or more.
 MISMATCH = 0.4
 CLEAR_MISMATCH = 0.1  # from which it matters whether another frame fits twice as well

@@ -104,17 +104,17 @@ def resample(motion: Motion, rate_hz: float = CONTROL_RATE_HZ) -> Motion:
     nearest = np.round(place)
     place = np.where(np.abs(place - nearest) < 1e-6, nearest, place)  # equal rates: every frame as it is
     row = np.minimum(place.astype(int), len(motion) - 2)
-    share = (place - row)[:, None]
+    fraction = (place - row)[:, None]
 
     def between(values: np.ndarray) -> np.ndarray:
-        return (1.0 - share) * values[row] + share * values[row + 1]
+        return (1.0 - fraction) * values[row] + fraction * values[row + 1]
 
     velocities = motion.velocities or derive_velocities(motion)
     quaternion = motion.base_quaternion
     return Motion(
         rate_hz=rate_hz,
         base_position=between(motion.base_position),
-        base_quaternion=slerp(quaternion[row], quaternion[row + 1], share),
+        base_quaternion=slerp(quaternion[row], quaternion[row + 1], fraction),
         joint_position=between(motion.joint_position),
         velocities=Velocities(*(between(values) for values in vars(velocities).values())),
     )
@@ -160,7 +160,7 @@ def _stride_frequency(contact: np.ndarray) -> float:
     if not np.isfinite(frequency):
         raise ClipError(
             f"no stride frequency can be measured: in {len(contact)} rows the feet do not step regularly "
-            f"(share of stance {', '.join(f'{share:.2f}' for share in contact.mean(axis=0))}); pass --frequency HZ"
+            f"(duty {', '.join(f'{duty:.2f}' for duty in contact.mean(axis=0))}); pass --frequency HZ"
         )
     return frequency
 

@@ -44,14 +44,14 @@ def continuous(quaternion: np.ndarray) -> np.ndarray:
     return unit * np.cumprod(np.concatenate([[1.0], flips]))[:, None]
 
 
-def slerp(start: np.ndarray, end: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Spherical interpolation (M, 4) between continuous quaternions (M, 4), share (M, 1) in [0, 1]."""
+def slerp(start: np.ndarray, end: np.ndarray, fraction: np.ndarray) -> np.ndarray:
+    """Spherical interpolation (M, 4) between continuous quaternions (M, 4), fraction (M, 1) in [0, 1]."""
     angle = np.arccos(np.clip((start * end).sum(axis=1, keepdims=True), -1.0, 1.0))
     sine = np.sin(angle)
     small = sine < 1e-6  # a chord is as good as the arc
     divisor = np.where(small, 1.0, sine)
-    before = np.where(small, 1.0 - share, np.sin((1.0 - share) * angle) / divisor)
-    after = np.where(small, share, np.sin(share * angle) / divisor)
+    before = np.where(small, 1.0 - fraction, np.sin((1.0 - fraction) * angle) / divisor)
+    after = np.where(small, fraction, np.sin(fraction * angle) / divisor)
     mixed = before * start + after * end
     return mixed / np.linalg.norm(mixed, axis=1, keepdims=True)
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from camp.gaits.schedule import GaitSchedule
 
-_BLEND = 0.5  # share of the latest stride in the table
+_BLEND = 0.5  # fraction of the latest stride in the table
 
 
 class LegMomentum:
@@ -41,8 +41,8 @@ class LegMomentum:
         steps = self.schedule.grid_steps
         place = np.mod(np.asarray(time) * self.schedule.frequency_hz, 1.0) * steps - 0.5
         index = np.floor(place).astype(int)
-        share = (place - index)[..., None]
-        return (1.0 - share) * self.table[index % steps] + share * self.table[(index + 1) % steps]
+        fraction = (place - index)[..., None]
+        return (1.0 - fraction) * self.table[index % steps] + fraction * self.table[(index + 1) % steps]
 
     def rate(self, time: float) -> np.ndarray:
         """Time derivative (3,) in rad/s^2 at `time` (s)."""

@@ -46,8 +46,8 @@ class ForcePlan:
         """Predicted SRB state (12,) at `time`, interpolated."""
         index = self._interval(time)
         start, end = self.times[index], self.times[index + 1]
-        share = np.clip((time - start) / (end - start), 0.0, 1.0)
-        return (1.0 - share) * self.states[index] + share * self.states[index + 1]
+        fraction = np.clip((time - start) / (end - start), 0.0, 1.0)
+        return (1.0 - fraction) * self.states[index] + fraction * self.states[index + 1]
 
 
 class ModelPredictiveController:

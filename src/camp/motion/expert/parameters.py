@@ -80,7 +80,7 @@ class WholeBodyGains:
     acceleration_weight: float = 2e-5
     friction: float = 0.55
     largest_force: float = 300.0  # N
-    torque_share: float = 0.98  # of the limit
+    torque_fraction: float = 0.98  # of the limit
 
 
 @dataclass(frozen=True)

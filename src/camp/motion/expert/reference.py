@@ -62,8 +62,8 @@ class PeriodicReference:
         """State (12,) relative to the heading frame at `time` (s), interpolated."""
         place = np.mod(time * self.schedule.frequency_hz, 1.0) * self.schedule.grid_steps
         index = min(int(place), self.schedule.grid_steps - 1)
-        share = place - index
-        return (1.0 - share) * self.states[index] + share * self.states[index + 1]
+        fraction = place - index
+        return (1.0 - fraction) * self.states[index] + fraction * self.states[index + 1]
 
     def force(self, time: float) -> np.ndarray:
         """Contact forces (4, 3) in N in the heading frame at `time` (s)."""

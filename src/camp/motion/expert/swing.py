@@ -10,19 +10,19 @@ from camp.motion.expert.robot_state import RobotState
 from camp.motion.expert.target import MotionTarget
 
 
-def minimum_jerk(share: float, duration: float) -> tuple[float, float, float]:
-    """Position, velocity, acceleration of a unit move from rest to rest in `duration` s; share in [0, 1]."""
-    position = share**3 * (10 - 15 * share + 6 * share**2)
-    velocity = 30 * share**2 * (1 - share) ** 2 / duration
-    acceleration = 60 * share * (1 - share) * (1 - 2 * share) / duration**2
+def minimum_jerk(fraction: float, duration: float) -> tuple[float, float, float]:
+    """Position, velocity, acceleration of a unit move from rest to rest in `duration` s; fraction in [0, 1]."""
+    position = fraction**3 * (10 - 15 * fraction + 6 * fraction**2)
+    velocity = 30 * fraction**2 * (1 - fraction) ** 2 / duration
+    acceleration = 60 * fraction * (1 - fraction) * (1 - 2 * fraction) / duration**2
     return position, velocity, acceleration
 
 
-def lift(share: float, duration: float) -> tuple[float, float, float]:
+def lift(fraction: float, duration: float) -> tuple[float, float, float]:
     """Height, velocity, acceleration of 16 s^2 (1 - s)^2: up to 1 in mid-swing, at rest at both ends."""
-    height = 16 * share**2 * (1 - share) ** 2
-    velocity = 32 * share * (1 - share) * (1 - 2 * share) / duration
-    acceleration = 32 * (1 - 6 * share + 6 * share**2) / duration**2
+    height = 16 * fraction**2 * (1 - fraction) ** 2
+    velocity = 32 * fraction * (1 - fraction) * (1 - 2 * fraction) / duration
+    acceleration = 32 * (1 - 6 * fraction + 6 * fraction**2) / duration**2
     return height, velocity, acceleration
 
 
@@ -48,19 +48,19 @@ class SwingLegs:
         """Acceleration (3,) in m/s^2 that keeps a swinging foot on its way."""
         gains, schedule = self._gains, self._schedule
         duration = schedule.swing_duration
-        share = float((schedule.phase(target.time)[leg] - schedule.duty) / (1.0 - schedule.duty))
-        share = min(max(share, 0.0), 1.0)
+        fraction = float((schedule.phase(target.time)[leg] - schedule.duty) / (1.0 - schedule.duty))
+        fraction = min(max(fraction, 0.0), 1.0)
         lifting_off = not self._swinging[leg]
         if lifting_off:
             self._start[leg] = robot.foot[leg]
             self._swinging[leg] = True
-        if lifting_off or share < gains.commit_phase:
-            self._goal[leg] = target.foothold(leg, target.time + (1.0 - share) * duration, shift)
+        if lifting_off or fraction < gains.commit_phase:
+            self._goal[leg] = target.foothold(leg, target.time + (1.0 - fraction) * duration, shift)
 
         path = self._goal[leg] - self._start[leg]
         early = gains.arrival_phase
-        move = minimum_jerk(min(share / early, 1.0), early * duration)
-        rise = self._height * np.outer(lift(share, duration), [0.0, 0.0, 1.0])
+        move = minimum_jerk(min(fraction / early, 1.0), early * duration)
+        rise = self._height * np.outer(lift(fraction, duration), [0.0, 0.0, 1.0])
         position, velocity, acceleration = np.outer(move, path) + rise
         position += self._start[leg]
         return (

@@ -86,7 +86,7 @@ class MotionTarget:
         if time >= 0.0:
             return self.reference.deviation(time)
         settle = min(self._stand_duration, SETTLE_DURATION)
-        share = max(0.0, 1.0 - (time + self._stand_duration) / settle)
+        fraction = max(0.0, 1.0 - (time + self._stand_duration) / settle)
         deviation = np.zeros(STATE_SIZE)
-        deviation[5] = share * self._stand_height + (1.0 - share) * self.reference.posture.com_height
+        deviation[5] = fraction * self._stand_height + (1.0 - fraction) * self.reference.posture.com_height
         return deviation

@@ -63,7 +63,7 @@ def joint_torque(robot: RobotState, task: WholeBodyTask, mass: float, gains: Who
 
     # Equations of motion: M qdd + bias - J' f = (0, torque)
     dynamics = np.hstack([robot.mass_matrix, -robot.jacobian[legs].reshape(-1, NUM_DOFS).T])
-    to_torque, limit = dynamics[_JOINTS], gains.torque_share * np.array(TORQUE_LIMIT)
+    to_torque, limit = dynamics[_JOINTS], gains.torque_fraction * np.array(TORQUE_LIMIT)
     cone, cone_bound = friction_cone(len(legs), gains.friction, 0.0, gains.largest_force)
     matrix = np.vstack([dynamics[_BASE], to_torque, -to_torque, np.hstack([np.zeros((len(cone), NUM_DOFS)), cone])])
     bias = robot.bias
