@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import operator
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import torch
@@ -18,7 +18,7 @@ from camp.algo.skill import SkillPrior
 from camp.algo.style import StylePrior
 from camp.common import distributed
 from camp.common.errors import CheckpointError, ConfigError
-from camp.common.paths import assets_root
+from camp.common.paths import shipped_motions
 from camp.common.seeding import generator
 from camp.common.threads import threads_of_process
 from camp.config.devices import learner_device, simulator_device
@@ -31,7 +31,10 @@ from camp.gaits.skills import label_of, names
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.sampler import Demonstrations, ReferenceStates
 from camp.motion.clips.store import load_clips
-from camp.robots import go2
+from camp.robots.config import RobotConfig
+from camp.robots.quadruped import NUM_JOINTS, NUM_LEGS
+from camp.robots.registry import find_robot
+from camp.robots.robot import Robot
 from camp.runs.checkpoint import INCOMPATIBLE, incompatible, latest_checkpoint, load_checkpoint
 from camp.sim.base import Simulator
 from camp.sim.choice import warp_installed
@@ -68,15 +71,23 @@ class Run:
     clips: list[Clip]
 
 
+def build_robot(config: RobotConfig) -> Robot:
+    """The robot of conf/robot, with the gains given there."""
+    return replace(
+        find_robot(config.name), pd_gain_p=tuple(config.kp) * NUM_LEGS, pd_gain_d=tuple(config.kd) * NUM_LEGS
+    )
+
+
 def motion_folder(config: Config) -> Path:
-    """Where the expert clips lie: the configured folder, or the shipped one."""
-    return Path(config.motion.folder) if config.motion.folder else assets_root() / "motions" / "go2"
+    """Where the expert clips lie: the configured folder, or the robot's shipped one."""
+    return Path(config.motion.folder) if config.motion.folder else shipped_motions(config.robot.name)
 
 
 def expert_clips(config: Config) -> list[Clip]:
     """The clips that show one of the configured skills. Raises ClipError where a gait has none."""
     skills = config.motion.skill_set()
-    clips = load_clips(motion_folder(config), config.motion.skills, with_mirrored=config.motion.mirrored)
+    robot, folder = build_robot(config.robot), motion_folder(config)
+    clips = load_clips(robot, folder, config.motion.skills, with_mirrored=config.motion.mirrored)
     return [clip for clip in clips if label_of(clip.gait, clip.frequency_hz, skills) is not None]
 
 
@@ -88,9 +99,9 @@ def build_simulator(config: Config, num_envs: int | None = None) -> Simulator:
     sim: SimConfig = config.sim
     num = sim.num_envs if num_envs is None else num_envs
     period, timestep = config.env.control_period_s, sim.physics_timestep_s
-    gains = (tuple(config.robot.kp) * go2.NUM_LEGS, tuple(config.robot.kd) * go2.NUM_LEGS)
+    robot = build_robot(config.robot)
     if sim.backend == "cpu":
-        return CpuSimulator(num, period, timestep, sim.threads, gains)
+        return CpuSimulator(robot, num, period, timestep, sim.threads)
     if not warp_installed():
         raise ConfigError("sim.backend = 'gpu': mujoco_warp is not installed; pip install '.[gpu]', or choose sim=cpu")
     device = simulator_device(config)
@@ -98,7 +109,7 @@ def build_simulator(config: Config, num_envs: int | None = None) -> Simulator:
 
     assert sim.contacts_per_robot is not None and sim.constraints_per_robot is not None
     settings = WarpSettings(device, sim.contacts_per_robot, sim.constraints_per_robot)
-    return GpuSimulator(num, period, timestep, settings, gains)
+    return GpuSimulator(robot, num, period, timestep, settings)
 
 
 def build_env(config: Config, clips: list[Clip], num_envs: int | None = None) -> QuadrupedEnv:
@@ -167,7 +178,7 @@ def share_of_rank(config: Config) -> Config:
 def build_actor(config: Config, weights: torch.Generator) -> GaussianActor:
     """The policy network, on the CPU."""
     observation = size(actor_entries(len(config.motion.skill_set())))
-    return GaussianActor(observation, go2.NUM_JOINTS, config.algo.actor, weights)
+    return GaussianActor(observation, NUM_JOINTS, config.algo.actor, weights)
 
 
 def load_run(folder: Path) -> Run:

@@ -8,8 +8,9 @@ import torch
 from torch import Tensor
 
 from camp.common.tensors import constant
-from camp.robots.go2 import CONTACT_FORCE
 from camp.robots.kinematics import foot_position
+from camp.robots.quadruped import CONTACT_FORCE
+from camp.robots.robot import Robot
 from camp.sim.base import RobotState
 
 # The state of the discriminators (paper, Sec. III-C, in its order): entry, size, unit, frame.
@@ -67,8 +68,8 @@ class Measurement:
         return torch.cat(parts, dim=1)
 
 
-def measure(state: RobotState) -> Measurement:
-    """Derive a ``Measurement`` from the simulator's state."""
+def measure(robot: Robot, state: RobotState) -> Measurement:
+    """Derive a ``Measurement`` of N copies of a robot from the simulator's state."""
     down = constant((0.0, 0.0, -1.0), state.base_position).expand_as(state.base_position)
     return Measurement(
         base_position=state.base_position,
@@ -77,7 +78,7 @@ def measure(state: RobotState) -> Measurement:
         gravity=rotate_inverse(state.base_quaternion, down),
         joint_position=state.joint_position,
         joint_velocity=state.joint_velocity,
-        foot_position=foot_position(state.joint_position),
+        foot_position=foot_position(robot.leg, state.joint_position),
         foot_contact=state.foot_force.norm(dim=-1) > CONTACT_FORCE,
         body_force=state.body_force.norm(dim=-1),
     )

@@ -15,7 +15,8 @@ from torch import Tensor
 from camp.common.tensors import constant
 from camp.envs.config import NoiseConfig
 from camp.envs.measurement import Measurement
-from camp.robots import go2
+from camp.robots.quadruped import NUM_JOINTS
+from camp.robots.robot import Robot
 from camp.sim.base import LINK_NAMES, Dynamics
 
 
@@ -23,6 +24,7 @@ from camp.sim.base import LINK_NAMES, Dynamics
 class Situation:
     """All that observations are made of, for N robots at one moment."""
 
+    robot: Robot
     measurement: Measurement
     command: Tensor  # (N, 3) vx, vy in m/s, yaw rate in rad/s
     last_action: Tensor  # (N, 12) network output of the previous step
@@ -45,7 +47,7 @@ class Entry:
 
 def actor_entries(num_skills: int) -> tuple[Entry, ...]:
     """The policy's observation, 45 + K numbers (paper, "State Space": 48 as printed means K = 3)."""
-    joints = go2.NUM_JOINTS
+    joints = NUM_JOINTS
     return (
         Entry(
             "base_angular_velocity",
@@ -62,7 +64,7 @@ def actor_entries(num_skills: int) -> tuple[Entry, ...]:
             joints,
             "rad",
             "joint, from the default pose",
-            lambda s: s.measurement.joint_position - constant(go2.DEFAULT_JOINT_POSITION, s.command),
+            lambda s: s.measurement.joint_position - constant(s.robot.default_joint_position, s.command),
             "joint_position_rad",
         ),
         Entry(
@@ -80,7 +82,7 @@ def actor_entries(num_skills: int) -> tuple[Entry, ...]:
 
 def privileged_entries() -> tuple[Entry, ...]:
     """x_t, what the critic sees besides: exact motion and the randomized parameters of Table I."""
-    joints = go2.NUM_JOINTS
+    joints = NUM_JOINTS
     return (
         Entry("base_linear_velocity", 3, "m/s", "base", lambda s: s.measurement.linear_velocity),
         Entry("base_height", 1, "m", "world", lambda s: s.measurement.base_position[:, 2:]),

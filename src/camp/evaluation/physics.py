@@ -9,9 +9,9 @@ from torch import Tensor
 
 from camp.common.tensors import constant
 from camp.envs.measurement import Measurement
-from camp.robots import go2
-from camp.robots.config import RobotConfig
 from camp.robots.kinematics import foot_velocity
+from camp.robots.quadruped import NUM_LEGS
+from camp.robots.robot import PerJoint, Robot
 from camp.sim.base import Dynamics
 
 
@@ -24,35 +24,36 @@ class MotorLaw:
 
     stiffness: Tensor  # (N, 12) N m/rad
     damping: Tensor  # (N, 12) N m s/rad
+    limit: PerJoint  # N m
 
     @classmethod
-    def of(cls, robot: RobotConfig, dynamics: Dynamics) -> MotorLaw:
-        """The law with the nominal gains of conf/robot and the robots' own deviations."""
-        kp, kd = (torch.tensor(list(gains) * go2.NUM_LEGS) for gains in (robot.kp, robot.kd))
+    def of(cls, robot: Robot, dynamics: Dynamics) -> MotorLaw:
+        """The law with the robot's nominal gains and each copy's own deviations."""
+        kp, kd = (torch.tensor(gains) for gains in (robot.pd_gain_p, robot.pd_gain_d))
         strength = dynamics.motor_strength
-        return cls(kp * dynamics.kp_scale * strength, kd * dynamics.kd_scale * strength)
+        return cls(kp * dynamics.kp_scale * strength, kd * dynamics.kd_scale * strength, robot.torque_limit)
 
     def torque(self, joint_target: Tensor, joint_position: Tensor, joint_velocity: Tensor) -> Tensor:
         """(N, 12) N m, from rad and rad/s."""
-        limit = constant(go2.TORQUE_LIMIT, joint_position)
+        limit = constant(self.limit, joint_position)
         wanted = self.stiffness * (joint_target - joint_position) - self.damping * joint_velocity
         return torch.clamp(wanted, -limit, limit)
 
 
-def sliding_speed(measurement: Measurement) -> Tensor:
+def sliding_speed(robot: Robot, measurement: Measurement) -> Tensor:
     """Speed over the ground of the point of each foot's sphere that is lowest, (N, 4) m/s.
 
     A foot that rolls without sliding has 0, although its centre moves.
     """
-    omega = measurement.angular_velocity[:, None].expand(-1, go2.NUM_LEGS, -1)  # rad/s, base frame
+    omega = measurement.angular_velocity[:, None].expand(-1, NUM_LEGS, -1)  # rad/s, base frame
     centre = measurement.linear_velocity[:, None] + torch.linalg.cross(omega, measurement.foot_position)
-    centre = centre + foot_velocity(measurement.joint_position, measurement.joint_velocity)
-    hip, thigh, calf = measurement.joint_velocity.unflatten(1, (go2.NUM_LEGS, 3)).unbind(-1)
+    centre = centre + foot_velocity(robot.leg, measurement.joint_position, measurement.joint_velocity)
+    hip, thigh, calf = measurement.joint_velocity.unflatten(1, (NUM_LEGS, 3)).unbind(-1)
     angle = measurement.joint_position[:, 0::3]
     # The thigh's and the calf's axes lie along y, turned about x by the hip.
     bend = thigh + calf
     turning = omega + torch.stack([hip, bend * torch.cos(angle), bend * torch.sin(angle)], dim=-1)
-    lowest = go2.FOOT_RADIUS * measurement.gravity[:, None].expand(-1, go2.NUM_LEGS, -1)
+    lowest = robot.leg.foot_radius * measurement.gravity[:, None].expand(-1, NUM_LEGS, -1)
     velocity = centre + torch.linalg.cross(turning, lowest)
     down = measurement.gravity[:, None]
     return (velocity - (velocity * down).sum(dim=-1, keepdim=True) * down).norm(dim=-1)

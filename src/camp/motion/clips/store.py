@@ -21,7 +21,8 @@ from camp.gaits.schedule import GAIT_PHASES
 from camp.motion.clips.clip import SPLITS, STAND, TRAINING_SPLITS, Clip
 from camp.motion.clips.consistency import guard_checks
 from camp.motion.clips.mirror import mirrored
-from camp.robots.go2 import FOOT_NAMES, JOINT_NAMES
+from camp.robots.quadruped import FOOT_NAMES, JOINT_NAMES
+from camp.robots.robot import Robot
 
 REGENERATE = "generate it again with `python -m camp.dataset`"
 
@@ -89,13 +90,17 @@ def load_clip(path: Path) -> Clip:
 
 
 def load_clips(
-    folder: Path, skills: Sequence[str], splits: Sequence[str] = TRAINING_SPLITS, with_mirrored: bool = False
+    robot: Robot,
+    folder: Path,
+    skills: Sequence[str],
+    splits: Sequence[str] = TRAINING_SPLITS,
+    with_mirrored: bool = False,
 ) -> list[Clip]:
-    """Clips of the given gaits and splits in a folder, in the order of their file names.
+    """Clips of a robot's given gaits and splits in a folder, in the order of their file names.
 
-    with_mirrored: each clip is followed by its mirror image. Clips that do not move as they say (see
-    camp.motion.clips.consistency) are refused. Raises ClipError where the folder is missing or empty, a split is
-    unknown, a file is wrong or a skill has no clip.
+    with_mirrored: each clip is followed by its mirror image. Clips that do not move as they say, or as
+    this robot can (see camp.motion.clips.consistency), are refused. Raises ClipError where the folder is missing or
+    empty, a split is unknown, a file is wrong or a skill has no clip.
     """
     unknown = [split for split in splits if split not in SPLITS]
     if unknown:
@@ -116,7 +121,7 @@ def load_clips(
     for path, (gait, split) in labels.items():
         if gait in skills and split in splits:
             clip = load_clip(path)
-            _refuse_inconsistent(path, clip)
+            _refuse_inconsistent(robot, path, clip)
             clips += [clip, mirrored(clip)] if with_mirrored else [clip]
     return clips
 
@@ -150,8 +155,8 @@ def _split(arrays: dict[str, np.ndarray]) -> str:
     return "steady" if arrays["command"].ndim == 1 else "perturbed"
 
 
-def _refuse_inconsistent(path: Path, clip: Clip) -> None:
-    failed = [str(check) for check in guard_checks(clip) if not check.passed]
+def _refuse_inconsistent(robot: Robot, path: Path, clip: Clip) -> None:
+    failed = [str(check) for check in guard_checks(robot, clip) if not check.passed]
     if failed:
         raise ClipError(
             f"clip {path}: {'; '.join(failed)}; see what is wrong with `python -m camp.dataset validate {path.parent}`"

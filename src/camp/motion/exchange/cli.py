@@ -13,6 +13,7 @@ from camp.motion.clips.store import load_clip, save_clip
 from camp.motion.exchange import exporter
 from camp.motion.exchange.convert import FORMATS, import_motion
 from camp.motion.exchange.motion import ImportOptions
+from camp.robots.robot import Robot
 
 COMMANDS = ("import", "export")
 IMPORTED_FOLDER = Path("outputs/motions/imported")
@@ -43,7 +44,7 @@ def add_exchange(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     writer.set_defaults(command="export")
 
 
-def run_exchange(options: argparse.Namespace) -> int:
+def run_exchange(robot: Robot, options: argparse.Namespace) -> int:
     """Carry out `import` or `export`; returns the exit code. Raises ClipError for input that cannot be used."""
     if options.command == "export":
         clip = load_clip(options.clip)
@@ -57,6 +58,7 @@ def run_exchange(options: argparse.Namespace) -> int:
         options.file,
         options.format,
         ImportOptions(
+            robot=robot,
             gait=options.gait,
             rate_hz=options.rate,
             frequency_hz=options.frequency,

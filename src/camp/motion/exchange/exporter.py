@@ -9,7 +9,7 @@ import numpy as np
 
 from camp.motion.clips.clip import Clip
 from camp.motion.exchange.amp import LEG_ORDER
-from camp.robots.go2 import FOOT_NAMES
+from camp.robots.quadruped import FOOT_NAMES
 
 FORMATS = ("amp",)
 

@@ -12,7 +12,8 @@ from camp.common.errors import ClipError
 from camp.motion.exchange.motion import Motion, Velocities, by_leg
 from camp.motion.exchange.rotations import rotate
 from camp.robots import kinematics
-from camp.robots.go2 import FOOT_NAMES
+from camp.robots.quadruped import FOOT_NAMES
+from camp.robots.robot import Robot
 
 FOOT_TOLERANCE = 0.01  # m, mean distance of the file's feet from those of its joints
 FLOOR_PERCENTILE = 5.0  # of a foot's height over time: where it stands
@@ -20,14 +21,15 @@ CONTACT_HEIGHT = 0.015  # m above that
 CONTACT_SPEED = 0.6  # m/s of the foot in the world
 
 
-def feet_of(joint_position: np.ndarray) -> np.ndarray:
+def feet_of(robot: Robot, joint_position: np.ndarray) -> np.ndarray:
     """Foot positions (N, 4, 3) in the base frame, m, of joint positions (N, 12)."""
-    return kinematics.foot_position(torch.from_numpy(joint_position)).numpy()
+    return kinematics.foot_position(robot.leg, torch.from_numpy(joint_position)).numpy()
 
 
-def foot_velocities_of(joint_position: np.ndarray, joint_velocity: np.ndarray) -> np.ndarray:
+def foot_velocities_of(robot: Robot, joint_position: np.ndarray, joint_velocity: np.ndarray) -> np.ndarray:
     """Foot velocities (N, 4, 3) in the base frame, m/s."""
-    return kinematics.foot_velocity(torch.from_numpy(joint_position), torch.from_numpy(joint_velocity)).numpy()
+    joints = (torch.from_numpy(joint_position), torch.from_numpy(joint_velocity))
+    return kinematics.foot_velocity(robot.leg, *joints).numpy()
 
 
 def mean_distance(feet: np.ndarray, others: np.ndarray) -> float:
@@ -35,7 +37,7 @@ def mean_distance(feet: np.ndarray, others: np.ndarray) -> float:
     return float(np.linalg.norm(feet - others, axis=-1).mean())
 
 
-def check_feet(motion: Motion, order: Sequence[str], trust_joints: bool) -> None:
+def check_feet(robot: Robot, motion: Motion, order: Sequence[str], trust_joints: bool) -> None:
     """Compare the file's feet with those of its joints.
 
     order: of the file's legs, for the message. Raises ClipError where they are apart; where another order of the
@@ -43,11 +45,11 @@ def check_feet(motion: Motion, order: Sequence[str], trust_joints: bool) -> None
     """
     if motion.foot_position is None:
         return
-    distance = mean_distance(feet_of(motion.joint_position), motion.foot_position)
+    distance = mean_distance(feet_of(robot, motion.joint_position), motion.foot_position)
     if distance <= FOOT_TOLERANCE:
         return
     # Under the file's order, leg FOOT_NAMES[k] was read from the columns that `renamed[k]` would have.
-    found = {renamed: _distance_if(motion, renamed) for renamed in permutations(FOOT_NAMES)}
+    found = {renamed: _distance_if(robot, motion, renamed) for renamed in permutations(FOOT_NAMES)}
     best = min(found, key=lambda renamed: found[renamed])
     if found[best] < distance / 2:
         true_order = ",".join(best[FOOT_NAMES.index(leg)] for leg in order)
@@ -57,17 +59,17 @@ def check_feet(motion: Motion, order: Sequence[str], trust_joints: bool) -> None
         )
     if not trust_joints:
         raise ClipError(
-            f"the file's feet are {distance:.3f} m (mean) from those of a Go2 with its joints, at most "
+            f"the file's feet are {distance:.3f} m (mean) from those of a {robot.title} with its joints, at most "
             f"{FOOT_TOLERANCE} m is allowed; if the file was made for another robot, pass --trust-joints to compute "
             "the feet from the joints"
         )
 
 
-def _distance_if(motion: Motion, renamed: tuple[str, ...]) -> float:
+def _distance_if(robot: Robot, motion: Motion, renamed: tuple[str, ...]) -> float:
     joints = by_leg(motion.joint_position, renamed)
     assert motion.foot_position is not None
     feet = by_leg(motion.foot_position.reshape(-1, 12), renamed).reshape(-1, 4, 3)
-    return mean_distance(feet_of(joints), feet)
+    return mean_distance(feet_of(robot, joints), feet)
 
 
 def foot_heights(base_position: np.ndarray, base_quaternion: np.ndarray, foot_position: np.ndarray) -> np.ndarray:
@@ -86,8 +88,8 @@ def estimate_contact(height: np.ndarray, velocity: np.ndarray) -> np.ndarray:
     return low & (np.linalg.norm(velocity, axis=-1) < CONTACT_SPEED)
 
 
-def world_foot_velocity(motion: Motion, velocities: Velocities, foot_position: np.ndarray) -> np.ndarray:
+def world_foot_velocity(robot: Robot, motion: Motion, velocities: Velocities, foot_position: np.ndarray) -> np.ndarray:
     """Velocities (N, 4, 3) of the feet in the world, m/s; foot_position (N, 4, 3) m, base frame."""
-    swing = foot_velocities_of(motion.joint_position, velocities.joint)
+    swing = foot_velocities_of(robot, motion.joint_position, velocities.joint)
     carried = velocities.base_linear[:, None] + np.cross(velocities.base_angular[:, None], foot_position)
     return rotate(motion.base_quaternion[:, None], carried + swing)

@@ -62,4 +62,4 @@ def _joints(columns: np.ndarray, foot_position: np.ndarray, options: ImportOptio
         return by_leg(columns, options.leg_order)
     by_kind = columns.reshape(-1, 3, 4).swapaxes(1, 2).reshape(-1, 12)  # (kind, leg) to (leg, kind)
     readings = [by_leg(columns, LEG_ORDER), by_kind]
-    return min(readings, key=lambda joints: mean_distance(feet_of(joints), foot_position))
+    return min(readings, key=lambda joints: mean_distance(feet_of(options.robot, joints), foot_position))

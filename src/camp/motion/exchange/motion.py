@@ -9,7 +9,8 @@ import numpy as np
 
 from camp.common.errors import ClipError
 from camp.motion.exchange.rotations import conjugate, multiply, rotate_inverse, rotation_vector
-from camp.robots.go2 import FOOT_NAMES
+from camp.robots.quadruped import FOOT_NAMES
+from camp.robots.robot import Robot
 
 CONTROL_RATE_HZ = 50.0  # of every clip
 
@@ -18,6 +19,7 @@ CONTROL_RATE_HZ = 50.0  # of every clip
 class ImportOptions:
     """What a file does not say, and what to do where it contradicts itself."""
 
+    robot: Robot  # whose motion it becomes
     gait: str  # a key of GAIT_PHASES
     rate_hz: float | None = None  # frames per s, in place of the file's own
     frequency_hz: float | None = None  # stride frequency; measured where None

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from camp.common.errors import ClipError
-from camp.robots.go2 import JOINT_NAMES
+from camp.robots.quadruped import JOINT_NAMES
 
 FEWEST_FRAMES = 4
 _UNIT_TOLERANCE = 0.01  # files print five decimals or fewer
