@@ -126,9 +126,9 @@ _FIGURES = """Figures of the [trot](../../../../../docs/motions/trot.png), [pace
 _LEGS, _JOINTS_OF_A_LEG = ", ".join(FOOT_NAMES), ", ".join(JOINT_NAMES[:3])
 _FILES = f"""One `.npz` per clip, no pickles: `numpy.load(path, allow_pickle=False)` or
 `camp.motion.clips.store.load_clip(path)`. `load_clips(robot, folder, skills)` gives the splits
-{", ".join(TRAINING_SPLITS)}; `with_mirrored=True` adds the left-right mirror image of each, which is why none is shipped. Legs are {_LEGS};
-joints {_JOINTS_OF_A_LEG}, then the other legs'. Row t is the state in which target t was given. Numbers are
-float32."""
+{", ".join(TRAINING_SPLITS)}; `with_mirrored=True` adds the left-right mirror image of each, which is why none is
+shipped. Legs are {_LEGS}; joints {_JOINTS_OF_A_LEG}, then the other legs'. Row t is the
+state in which target t was given. Numbers are float32."""
 
 _SLOWED = ", ".join(f"a {gait} at {rate:g} Hz to {speed:g} m/s" for (gait, rate), speed in FASTEST.items())
 _LIMITS = f"""Frequency, speed and turn errors are of the means over whole strides. Phases: worst pair of legs.
