@@ -140,7 +140,7 @@ def test_literal_command_in_a_process_of_its_own(tree):
             from pathlib import Path
             import camp.cli.hydra_main
             import camp.config.compose
-            from tests.test_cli import Train
+            from tests.cli.test_hydra_main import Train
             from hydra.core.config_store import ConfigStore
 
             ConfigStore.instance().store(name="cli_test_schema", node=Train)
@@ -152,7 +152,7 @@ def test_literal_command_in_a_process_of_its_own(tree):
         )
     )
     command = [sys.executable, str(program), "+ablation=no_skill_disc", "-m", "seed=0,1,2"]
-    repository = Path(__file__).parent.parent
+    repository = Path(__file__).parents[2]
     environment = os.environ | {"PYTHONPATH": f"{repository}{os.pathsep}{repository / 'src'}"}
     result = subprocess.run(command, capture_output=True, text=True, env=environment)
     assert (result.returncode, result.stderr) == (0, "")
