@@ -8,19 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.motion.foreign import (
-    FOLDER,
-    NAMES,
-    TROT,
-    amp_frames,
-    edit,
-    kine2go_table,
-    motion_of,
-    qpos_of,
-    resampled_table,
-    shipped,
-    write_qpos,
-)
 
 from camp.common.errors import ClipError
 from camp.gaits.schedule import GAIT_PHASES
@@ -33,6 +20,19 @@ from camp.motion.exchange.motion import ImportOptions, Motion, by_leg, derive_ve
 from camp.motion.exchange.rotations import continuous, multiply, rotate, rotate_inverse, slerp
 from camp.robots.go2 import GO2
 from camp.robots.quadruped import FOOT_NAMES, JOINT_NAMES
+from tests.motion.exchange.foreign import (
+    FOLDER,
+    NAMES,
+    TROT,
+    amp_frames,
+    edit,
+    kine2go_table,
+    motion_of,
+    qpos_of,
+    resampled_table,
+    shipped,
+    write_qpos,
+)
 
 # What the format keeps: a float32 as it is; feet and their velocities are computed anew from float32 joints.
 EXACT = ("base_position", "joint_position", "joint_velocity", "base_linear_velocity", "base_angular_velocity")
