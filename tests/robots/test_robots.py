@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import torch
 
+from camp import dataset
 from camp.common.errors import ConfigError
 from camp.config.compose import compose_config
 from camp.robots.go2 import GO2
@@ -15,6 +16,7 @@ from camp.robots.quadruped import FOOT_NAMES, GRAVITY, JOINT_NAMES, NUM_LEGS
 from camp.robots.registry import DEFAULT_ROBOT, ROBOTS, find_robot
 from camp.robots.robot import Robot
 from camp.sim.base import LINK_NAMES
+from tests.errors import assert_one_line
 from tests.robots.checks import mujoco_feet, random_joints
 
 
@@ -143,3 +145,18 @@ def test_the_robot_is_chosen_by_its_name():
     assert compose_config([]).robot.name == compose_config(["robot=go2_soft", "run=scratch"]).robot.name == "go2"
     with pytest.raises(ConfigError, match=r"^robot\.name = 'spot': unknown robot; choose one of go2"):
         compose_config(["robot.name=spot"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--robot", "spot"], "--robot = 'spot': unknown robot; choose one of go2"),
+        (["--robot", "spot", "validate"], "--robot = 'spot': unknown robot"),
+        (["validate", "--robot", "spot"], "--robot = 'spot': unknown robot"),
+        (["perturbed", "--robot", "spot"], "--robot = 'spot': unknown robot"),
+        (["--only", "gallop_*"], "--only 'gallop_*': matches none of"),
+    ],
+)
+def test_a_robot_or_clip_that_does_not_exist_is_one_line(arguments, message, capfd):
+    assert dataset.main(arguments) == 2
+    assert_one_line(capfd.readouterr().err, message)
