@@ -65,6 +65,7 @@ class Demonstrations:
             skill.append(torch.full((len(chosen),), label))
             counts.append(len(chosen))
         self.transition = Transition(torch.cat(state), torch.cat(skill)).to(device)
+        self.counts = dict(zip((skill.name for skill in skills), counts, strict=True))  # transitions by skill
         self._count = torch.tensor(counts, device=device)  # (K,)
         self._start = self._count.cumsum(0) - self._count  # (K,) first row of each skill
 

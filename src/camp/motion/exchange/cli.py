@@ -145,7 +145,7 @@ def _notes(clip: Clip) -> list[str]:
         notes.append(f"by its contacts it steps at {frequency:.2f} Hz, not {clip.frequency_hz:g} Hz")
     if strides < FEWEST_STRIDES:
         notes.append(
-            f"{len(clip)} rows are {len(clip) - 1} transitions, {strides:.1f} strides: fewer than {FEWEST_STRIDES} show "
-            "no rhythm"
+            f"{len(clip)} rows are {len(clip) - 1} transitions, {strides:.1f} strides: fewer than {FEWEST_STRIDES} "
+            "show no rhythm"
         )
     return notes

@@ -90,7 +90,7 @@ def _check_scale(rate_hz: float, given: Velocities, derived: Velocities) -> None
     if joint is None or root is None:
         still = "joints hardly move" if joint is None else "root hardly moves"
         remedy = f"the {still} and cannot tell why: pass the true rate with --rate, or, if that is it, {_DERIVE}"
-    elif len(wrong) == 2 and min(wrong.values()) > RATE_ERROR and not _is_off(joint / root):
+    elif len(wrong) == 2 and min(joint, root) > RATE_ERROR and not _is_off(joint / root):
         # The root is smoother than the joints: its differences are its velocities.
         remedy = f"the motion was sampled at about {rate_hz / root:.3g} Hz: pass --rate {rate_hz / root:.3g}"
     elif len(wrong) == 2:
