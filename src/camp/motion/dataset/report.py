@@ -33,10 +33,7 @@ def worst_table(results: Mapping[str, Sequence[ClipCheck]]) -> Table:
         for check in checks:
             if check.name not in worst or _badness(check) > _badness(worst[check.name][0]):
                 worst[check.name] = check, clip
-    table = Table(
-        title="worst of each criterion", box=SIMPLE_HEAD, title_justify="left", padding=(0, 1, 0, 0), pad_edge=False
-    )
-    _add_columns(table, "criterion", "clip", "value", "limit")
+    table = _narrow("worst of each criterion", "criterion", "clip", "value", "limit")
     for check, clip in sorted(worst.values(), key=lambda found: found[0].passed):
         table.add_row(check.name, clip, _cell(check), _limit(check))
     return table

@@ -23,7 +23,7 @@ IMPORTED_FOLDER = Path("outputs/motions/imported")
 FEWEST_STRIDES = 2  # of a clip that shows a rhythm
 
 
-def add_exchange(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_exchange(commands: argparse._SubParsersAction) -> None:
     """Add both subcommands; `options.command` tells which was given."""
     reader = commands.add_parser("import", help="read a motion of another project as a clip")
     reader.add_argument("file", type=Path, help="what to read")

@@ -15,6 +15,7 @@ from camp.robots import kinematics
 from camp.robots.go2 import FOOT_NAMES
 
 FOOT_TOLERANCE = 0.01  # m, mean distance of the file's feet from those of its joints
+CLEARLY_NEARER = 0.75  # of the distance, from which another order of the legs is the right one
 ROUNDING = 0.001  # m, below which no other order of the legs is looked for
 FLOOR_PERCENTILE = 5.0  # of a foot's height over time: where it stands
 CONTACT_HEIGHT = 0.015  # m above that
@@ -49,7 +50,7 @@ def check_feet(motion: Motion, trust_joints: bool) -> None:
     if distance <= ROUNDING:
         return
     found, legs, feet = _best_orders(apart)
-    if found < distance / 2:
+    if found < CLEARLY_NEARER * distance:
         leg_order = _renamed(motion.leg_order, legs)
         foot_order = _renamed(motion.foot_order, feet)
         options = f"--leg-order {','.join(leg_order)}"
@@ -82,11 +83,9 @@ def _distances(motion: Motion) -> np.ndarray:
 
 def _best_orders(apart: np.ndarray) -> tuple[float, tuple[int, ...], tuple[int, ...]]:
     """The smallest mean distance, m, and the legs whose joints and whose feet belong to FL, FR, RL, RR with it."""
-    orders = list(permutations(range(4)))
+    near, orders = apart.tolist(), list(permutations(range(4)))
     found = {
-        (legs, feet): float(np.mean([apart[leg, legs[leg], feet[leg]] for leg in range(4)]))
-        for legs in orders
-        for feet in orders
+        (legs, feet): sum(near[leg][legs[leg]][feet[leg]] for leg in range(4)) / 4 for legs in orders for feet in orders
     }
     legs, feet = min(found, key=lambda pair: found[pair])
     return found[legs, feet], legs, feet
