@@ -33,6 +33,8 @@ from camp.training.progress import Progress
 from camp.training.runner import Runner
 from camp.training.warm_start import keep_imitating, warm_start
 
+FEWEST_TRANSITIONS = 50  # of a skill, 1 s: two strides of the slowest gaits
+
 
 def train(composed: DictConfig) -> Path:
     """Train as configured, or continue the run that ``resume`` names; returns the run folder."""
@@ -142,7 +144,9 @@ def _command() -> str:
 
 def _preloaded(training: Training) -> str:
     demonstrations = training.demonstrations
-    return f"{len(demonstrations):,} ({demonstrations.memory_bytes / 2**20:.0f} MiB)"
+    few = [f"{skill} has {count}" for skill, count in demonstrations.counts.items() if count < FEWEST_TRANSITIONS]
+    note = f"; too few to show a gait's rhythm: {', '.join(few)}" if few else ""
+    return f"{len(demonstrations):,} ({demonstrations.memory_bytes / 2**20:.0f} MiB){note}"
 
 
 def _check_ranks(state: TrainingState, folder: Path) -> None:

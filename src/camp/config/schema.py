@@ -12,6 +12,8 @@ from omegaconf import MISSING
 from camp.algo.config import AlgoConfig
 from camp.common import checks
 from camp.envs.config import EnvConfig
+from camp.gaits.schedule import GRID_STEPS
+from camp.gaits.skills import FREQUENCY_TOLERANCE
 from camp.motion.config import MotionConfig
 from camp.robots import go2
 from camp.robots.config import RobotConfig
@@ -87,6 +89,15 @@ class Config:
             "robot.kp",
             list(self.robot.kp),
             "the expert's targets are made for the gains of robot=go2; use those, or run=scratch",
+        )
+        frequencies = list(self.motion.frequencies_hz)
+        imitates = self.algo.imitation.epochs > 0 or self.algo.imitation.ppo_weight > 0.0
+        checks.require(
+            not imitates or set(frequencies) <= GRID_STEPS.keys(),
+            "motion.frequencies_hz",
+            frequencies,
+            f"the expert that is imitated walks at {', '.join(f'{hz:g}' for hz in GRID_STEPS)} Hz; choose from these "
+            f"(clips within {FREQUENCY_TOLERANCE:.0%} are taken), or run=scratch",
         )
         samples = self.run.rollout_steps * self.sim.num_envs
         checks.require(
