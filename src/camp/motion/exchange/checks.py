@@ -71,7 +71,7 @@ def check_joint_range(motion: Motion) -> None:
         raise ClipError(
             f"{JOINT_NAMES[joint]} is {motion.joint_position[frame, joint]:.2f} rad in frame {frame}, expected "
             f"{JOINT_LOWER[joint]:.2f} to {JOINT_UPPER[joint]:.2f}; angles must be in rad, in the order hip, thigh, "
-            "calf of each leg (see --leg-order)"
+            "calf of each leg (see --leg-order), and the motion made for a Go2"
         )
 
 
