@@ -12,6 +12,15 @@ from camp.motion.clips.clip import Clip
 from camp.motion.clips.store import load_clips
 
 
+@pytest.hookimpl(tryfirst=True)  # before xdist reads the groups
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """With `--dist loadgroup`: a file's tests share a worker and its fixtures, and those of DTW share one compilation."""
+    if getattr(config.option, "loadgroup", False):
+        for item in items:
+            group = "dtw" if item.get_closest_marker("dtw") else item.path.as_posix()
+            item.add_marker(pytest.mark.xdist_group(group))
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _one_thread():
     """Two busy thread pools on two cores slow each other down."""

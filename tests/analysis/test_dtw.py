@@ -13,7 +13,7 @@ from analysis.load import AnalysisError, ClipFeatures
 from analysis.style import save
 from tests.analysis.synthetic import PERIOD, clip_features
 
-pytestmark = pytest.mark.slow  # the first call compiles tslearn's DTW, some ten seconds
+pytestmark = [pytest.mark.slow, pytest.mark.dtw]
 
 
 @pytest.fixture(scope="module")
