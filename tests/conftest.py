@@ -14,7 +14,7 @@ from camp.motion.clips.store import load_clips
 
 @pytest.hookimpl(tryfirst=True)  # before xdist reads the groups
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """With `--dist loadgroup`: a file's tests share a worker and its fixtures, and those of DTW share one compilation."""
+    """With `--dist loadgroup` a file's tests share a worker and its fixtures, and all tests of DTW one compilation."""
     if getattr(config.option, "loadgroup", False):
         for item in items:
             group = "dtw" if item.get_closest_marker("dtw") else item.path.as_posix()
