@@ -22,9 +22,8 @@ from analysis.style import INK, skill_colours
 from camp.cli.key_values import key_values, run_command
 from camp.common.errors import ConfigError
 from camp.common.files import whole_file
-from camp.deploy import Policy, Robot, observe
+from camp.deploy import FOOT_NAMES, Policy, Robot, observe
 from camp.deployment.export import export_policy
-from camp.robots import go2
 from camp.runs.folder import FIGURES, results_folder
 from camp.sim.rendering import RobotRenderer
 
@@ -55,9 +54,9 @@ def one_per_gait(skills: Sequence[str]) -> list[str]:
     return list(first.values())
 
 
-def demonstrate(policy: Policy, skills: Sequence[str]) -> Demonstration:
-    """Walk from standing, SKILL_S with each of ``skills``. Raises AnalysisError where the robot falls."""
-    metadata, robot = policy.metadata, Robot(policy.metadata)
+def demonstrate(policy: Policy, robot: Robot, skills: Sequence[str]) -> Demonstration:
+    """Walk from where ``robot`` stands, SKILL_S with each of ``skills``. Raises AnalysisError where the robot falls."""
+    metadata = policy.metadata
     period, command = metadata["control_period"], np.array(COMMAND, np.float32)
     pose, scale = np.array(metadata["default_pose"], np.float32), np.float32(metadata["action_scale"])
     commanded = [skill for skill in skills for _ in range(round(SKILL_S / period))]
@@ -66,7 +65,7 @@ def demonstrate(policy: Policy, skills: Sequence[str]) -> Demonstration:
         target = policy.joint_target(observe(policy, robot, command, policy.one_hot(skill), last_action))
         robot.hold(target)
         last_action = (target - pose) / scale
-        rows.append((robot.data.qpos.copy(), [robot.touches(foot) for foot in go2.FOOT_NAMES]))
+        rows.append((robot.data.qpos.copy(), [robot.touches(foot) for foot in FOOT_NAMES]))
         if robot.fallen:
             raise AnalysisError(f"the robot fell after {step * period:.2f} s as {skill}: train the run further")
     qpos, contact = map(np.array, zip(*rows, strict=True))
@@ -86,7 +85,7 @@ def frames(demonstration: Demonstration, renderer: RobotRenderer) -> Iterator[Im
         draw.rectangle((0, 0, width, TITLE - 1), fill=colours[skill])
         draw.text((MARGIN, TITLE // 2), f"commanded skill: {skill}", fill="white", font=large, anchor="lm")
         _draw_contacts(draw, demonstration, step, colours)
-        for row, foot in enumerate(go2.FOOT_NAMES):
+        for row, foot in enumerate(FOOT_NAMES):
             draw.text((MARGIN, _row_top(row) + 4), foot, fill=INK, font=small, anchor="lm")
         yield image
 
@@ -129,10 +128,11 @@ def animate(arguments: Sequence[str]) -> None:
     given = key_values(arguments, required=["run"], optional=["output"])
     run = Path(given["run"])
     path = Path(given["output"]) if "output" in given else results_folder(run) / FIGURES / "switching.gif"
-    renderer = RobotRenderer(go2.load_model(), *SIZE)
     with tempfile.TemporaryDirectory() as folder:
         policy = Policy(export_policy(run, Path(folder)).model)
-    shown = demonstrate(policy, one_per_gait(policy.metadata["skills"]))
+    robot = Robot(policy.metadata)
+    renderer = RobotRenderer(robot.model, *SIZE)
+    shown = demonstrate(policy, robot, one_per_gait(policy.metadata["skills"]))
     write_gif(path, list(frames(shown, renderer)), STEPS_PER_FRAME * shown.period_s)
     renderer.close()
     print(path)

@@ -1,4 +1,4 @@
-"""How near are gaits at different stride frequencies in the latent space? Paper, Fig. 4: DTW distances."""
+"""DTW distances between gaits at several stride frequencies in the latent skill space (paper, Fig. 4)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How did training go? A run's learning curves against environment steps."""
+"""Learning curves of a run against environment steps."""
 
 from __future__ import annotations
 

@@ -14,7 +14,6 @@ from PIL import Image
 from analysis import animation
 from analysis.load import AnalysisError
 from analysis.style import GAIT_COLOURS
-from camp.common.errors import CampError
 from camp.common.paths import policies_root
 
 
@@ -81,14 +80,4 @@ def test_a_policy_that_falls_is_told_with_the_remedy():
     crouch = np.tile(np.float32([0.0, 2.6, -2.7]), 4)
     policy: Any = SimpleNamespace(metadata=metadata, one_hot=lambda _: np.zeros(8), joint_target=lambda _: crouch)
     with pytest.raises(AnalysisError, match=r"fell after .* s as trot_2hz: train the run further"):
-        animation.demonstrate(policy, ["trot_2hz"])
-
-
-def test_without_opengl_nothing_is_exported(tmp_path, monkeypatch):
-    def none(*_: Any):
-        raise CampError("rendering: no off-screen OpenGL")
-
-    monkeypatch.setattr(animation, "RobotRenderer", none)
-    with pytest.raises(CampError, match="OpenGL"):
-        animation.animate([f"run={tmp_path}"])
-    assert list(tmp_path.iterdir()) == []
+        animation.demonstrate(policy, animation.Robot(metadata), ["trot_2hz"])

@@ -1,4 +1,4 @@
-"""Is an imported motion what its file says: rate, velocities, joint angles, floor?"""
+"""Checks of an imported motion: frame rate, velocities, joint angles, height above the floor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every reader hands on: the frames of a file in the project's own order, units and frames."""
+"""The output of every reader: a file's motion in the project's order, units and frames."""
 
 from __future__ import annotations
 
