@@ -42,7 +42,7 @@ demo: setup ## the shipped policy: short evaluation, a video of all gaits, figur
 	"$(BIN)/python" -m analysis run="$(POLICY)"
 
 test: setup ## run all tests, a file at a time on each of up to four processors
-	"$(BIN)/python" -m pytest -n auto --maxprocesses 4 --dist loadgroup $(ARGS)
+	"$(BIN)/python" -m pytest -n auto --maxprocesses 4 --dist loadfile $(ARGS)
 
 lint: setup ## check format, lint and types without changing a file (what CI runs before the tests)
 	"$(BIN)/ruff" format --check .
