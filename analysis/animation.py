@@ -33,7 +33,7 @@ STEPS_PER_FRAME = 4  # 80 ms, a multiple of the 10 ms in which GIF counts; 6 fra
 SIZE = (320, 240)  # pixels of the picture
 TITLE, BAND, MARGIN = 24, 44, 10  # pixels: height above the picture, height below it, left and right
 CONTACTS_S = 2.0  # s of contacts that the band shows
-COLOURS = 64  # of the palette that all frames share
+COLOURS = 128  # of the palette that all frames share
 
 
 @dataclass(frozen=True)

@@ -72,7 +72,7 @@ def test_the_shipped_policy_switches_and_the_file_plays_in_real_time(tmp_path, m
             seen.append(pixel(gif, animation.SIZE[0] - 2, 2))
     for number, gait in enumerate(("trot", "pace", "bound", "pronk")):
         for colour in seen[4 * number : 4 * number + 4]:
-            assert np.abs(np.subtract(colour, shade(gait))).max() < 16  # 64 colours
+            assert np.abs(np.subtract(colour, shade(gait))).max() < 16  # of a palette of 128
 
 
 def test_a_policy_that_falls_is_told_with_the_remedy():
