@@ -212,7 +212,8 @@ def test_smoke_run_from_any_folder(uninterrupted):
     assert "sim=auto: cpu (torch finds no CUDA GPU)" in uninterrupted.output
     assert load_run_config(run).sim.backend == "cpu"
     assert [row["iteration"] for row in metrics_of(run)] == list(range(1, 11))
-    assert (run / "versions.json").is_file() and len(list_checkpoints(run)) == 3
+    assert (run / "versions.json").is_file()
+    assert [int(path.stem[-8:]) for path in list_checkpoints(run)[-3:]] == [8, 9, 10]
     assert (run.parent / "latest").resolve() == run.resolve()
 
 

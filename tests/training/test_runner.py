@@ -108,9 +108,7 @@ def test_a_broken_checkpoint_is_not_continued(config, tmp_path):
     state = load_state(tmp_path)
     next(iter(state.actor.values())).view(-1)[0] = torch.nan
     save_run_checkpoint(tmp_path, 3, state.as_dict(), keep=5)
-    with pytest.raises(
-        CheckpointError, match=r"00000003\.pt: training had diverged.*00000002\.pt"
-    ):
+    with pytest.raises(CheckpointError, match=r"00000003\.pt: training had diverged.*00000002\.pt"):
         load_state(tmp_path)
 
 
