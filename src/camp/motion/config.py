@@ -1,4 +1,4 @@
-"""Schema of conf/motion: which clips, and the skills that they teach."""
+"""Schema of conf/motion: the clips and the skills."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The run folder: the name of every file in it, and where new ones are made."""
+"""The run folder: the names of its files, and the creation of new run folders."""
 
 from __future__ import annotations
 
