@@ -1,5 +1,4 @@
-"""One look for every figure: sizes in inches, one colour-blind-safe colour per gait, no global matplotlib
-state."""
+"""The style of all figures: sizes in inches, one colour-blind-safe colour per gait, no global matplotlib state."""
 
 from __future__ import annotations
 
@@ -69,7 +68,7 @@ def new_figure(size: tuple[float, float]) -> Figure:
 
 
 def skill_colours(skills: list[str]) -> dict[str, str]:
-    """Colour of each name: a gait's own, also for labels such as trot_2Hz; further names take spare
+    """Colour of each name: a gait's own, also for labels such as trot_2hz; further names take spare
     colours."""
     spare = iter(_OTHER_COLOURS * (1 + len(skills) // len(_OTHER_COLOURS)))
     return {name: GAIT_COLOURS.get(name.split("_")[0]) or next(spare) for name in skills}

@@ -178,7 +178,7 @@ def _parser() -> argparse.ArgumentParser:
     perturbed.add_argument(
         "--count", type=_whole(1, MOST_CLIPS), default=150, help="number of clips to try (some robots fall)"
     )
-    perturbed.add_argument("--seed", type=_whole(0, MOST_CLIPS), default=0, help="of commands and noise")
+    perturbed.add_argument("--seed", type=_whole(0, MOST_CLIPS), default=0, help="seed of commands and noise")
     _add_generation(perturbed, Path("outputs/motions/perturbed"))
     perturbed.set_defaults(command="perturbed")
     add_exchange(commands)
@@ -186,9 +186,11 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _add_generation(parser: argparse.ArgumentParser, folder: Path) -> None:
-    parser.add_argument("--folder", type=Path, default=folder, help="where the clips go (default: %(default)s)")
-    parser.add_argument("--workers", type=_whole(1, MOST_WORKERS), default=os.cpu_count() or 1, help="processes")
-    parser.add_argument("--overwrite", action="store_true", help="generate also what is there already")
+    parser.add_argument("--folder", type=Path, default=folder, help="output folder (default: %(default)s)")
+    parser.add_argument(
+        "--workers", type=_whole(1, MOST_WORKERS), default=os.cpu_count() or 1, help="number of processes"
+    )
+    parser.add_argument("--overwrite", action="store_true", help="also generate clips that exist already")
 
 
 if __name__ == "__main__":

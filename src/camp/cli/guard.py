@@ -24,18 +24,11 @@ def guarded(task: Callable[[], int]) -> int:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains when it ends
         return 0
-    except (*INPUT_ERRORS, OSError) as error:
+    except INPUT_ERRORS as error:
         if os.environ.get("CAMP_DEBUG") == "1":
             traceback.print_exception(error)
-        print(f"error: {_line(error)}", file=sys.stderr, flush=True)
+        print(f"error: {describe(error)}", file=sys.stderr, flush=True)
         return EXIT_INPUT
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
-
-
-def _line(error: Exception) -> str:
-    if isinstance(error, OSError):
-        place = f"{error.filename}: " if error.filename is not None else ""
-        return f"{place}{error.strerror or error}; check the path, its rights and the space on the disk"
-    return describe(error)

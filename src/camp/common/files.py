@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Atomic writing of files: complete or not at all."""
 
 from __future__ import annotations
 
@@ -59,11 +59,11 @@ def make_folder(path: Path) -> Path:
 
 
 @contextmanager
-def folder_lock(folder: Path) -> Iterator[None]:
+def folder_lock(folder: Path, wait: bool = True) -> Iterator[None]:
     """Let other processes that come here wait, where the system has file locks; makes the folder.
 
     The lock is the folder's own: nothing is written, and it ends with the process. Says once that it waits. Raises
-    ConfigError where the folder cannot be made.
+    ConfigError where the folder cannot be made, or, without `wait`, where another process has it.
     """
     make_folder(folder)
     handle = os.open(folder, os.O_RDONLY)
@@ -73,7 +73,11 @@ def folder_lock(folder: Path) -> Iterator[None]:
 
             try:
                 fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
+            except BlockingIOError as error:
+                if not wait:
+                    raise ConfigError(
+                        f"folder {folder}: another process is writing to it; wait for it, or stop it"
+                    ) from error
                 print(f"waiting for another process that writes to {folder}", flush=True)
                 fcntl.flock(handle, fcntl.LOCK_EX)
         yield

@@ -22,8 +22,8 @@ from omegaconf.errors import (
 from camp.common.errors import CampError
 from camp.common.paths import ablation_root
 
-#: The errors that are the input's fault; every other exception is a bug and keeps its traceback.
-INPUT_ERRORS = (CampError, HydraException, OmegaConfBaseException)
+#: The errors that are the input's or the machine's fault; every other exception is a bug and keeps its traceback.
+INPUT_ERRORS = (CampError, HydraException, OmegaConfBaseException, OSError)
 
 #: What conf/hydra/launcher builds on, and where it comes from.
 LAUNCHER_PACKAGES = {
@@ -46,6 +46,9 @@ def diagnosis(error: BaseException) -> str:
 def _describe(error: BaseException) -> str:
     if isinstance(error, CampError):
         return str(error)
+    if isinstance(error, OSError):
+        place = f"{error.filename}: " if error.filename is not None else ""
+        return f"{place}{error.strerror or error}; check the path, its rights and the space on the disk"
     if isinstance(error, MissingConfigException):
         return _missing_config(error)
     if isinstance(error, OverrideParseException):

@@ -66,6 +66,8 @@ class Config:
         """Raise ConfigError for the first value that cannot work, alone or beside another."""
         checks.seed("seed", self.seed)
         allowed = "letters, digits, '.', '_' and '-'"
+        for key in ("output_dir", "resume"):
+            checks.place(key, getattr(self, key))
         clean = bool(self.variant) and all(c.isalnum() or c in "._-" for c in self.variant)
         checks.require(clean, "variant", self.variant, f"name it with {allowed}")
         for part in (self.env, self.sim, self.robot, self.motion, self.algo, self.run, self.logger):

@@ -1,4 +1,4 @@
-"""Skills: what a policy is asked to show. Each is the motion of some of the clips."""
+"""Skills: the labels that condition the policy. Each is the motion of some of the clips."""
 
 from __future__ import annotations
 

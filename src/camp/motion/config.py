@@ -1,4 +1,4 @@
-"""Schema of conf/motion: which clips, and the skills that they teach."""
+"""Schema of conf/motion: the clips and the skills."""
 
 from __future__ import annotations
 
@@ -29,6 +29,8 @@ class MotionConfig:
         return skill_set(self.skills, self.labels, self.frequencies_hz)
 
     def check(self) -> None:
+        checks.place("motion.folder", self.folder)
+        checks.place("motion.perturbed_folder", self.perturbed_folder)
         skills = list(self.skills)
         unknown = [skill for skill in skills if skill not in GAIT_PHASES]
         remedy = f"choose from {', '.join(GAIT_PHASES)}"

@@ -1,4 +1,4 @@
-"""Imitation of the expert on clips that show it recovering: before CAMP begins, and beside it."""
+"""Imitation of the expert on perturbed clips, before PPO and as its auxiliary loss."""
 
 from __future__ import annotations
 

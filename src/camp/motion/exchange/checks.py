@@ -1,4 +1,4 @@
-"""Is an imported motion what its file says: rate, orientation, joint angles, floor? (Velocities: `velocities.py`.)"""
+"""Checks of an imported motion: frame rate, orientation, joint angles, height above the floor."""
 
 from __future__ import annotations
 

@@ -26,28 +26,28 @@ FEWEST_STRIDES = 2  # of a clip that shows a rhythm
 def add_exchange(commands: argparse._SubParsersAction) -> None:
     """Add both subcommands; `options.command` tells which was given."""
     reader = commands.add_parser("import", help="read a motion of another project as a clip")
-    reader.add_argument("file", type=Path, help="what to read")
+    reader.add_argument("file", type=Path, help="the file to read")
     reader.add_argument("--format", required=True, choices=FORMATS, help="layout of the file (docs/motions.md)")
-    reader.add_argument("--gait", required=True, choices=tuple(GAIT_PHASES), help="which gait it shows")
-    reader.add_argument("--rate", type=float, metavar="HZ", help="frames per s, in place of the file's own")
+    reader.add_argument("--gait", required=True, choices=tuple(GAIT_PHASES), help="gait of the motion")
+    reader.add_argument("--rate", type=float, metavar="HZ", help="frame rate, instead of the file's")
     reader.add_argument("--frequency", type=float, metavar="HZ", help="stride frequency (default: measured)")
-    reader.add_argument("--steady", type=float, nargs=3, metavar=("VX", "VY", "WZ"), help="the command it follows")
-    reader.add_argument("--leg-order", type=_legs, metavar="FR,FL,...", help="legs of the file, where not its format's")
-    reader.add_argument("--foot-order", type=_legs, metavar="FR,FL,...", help="of its feet, where not the joints'")
-    reader.add_argument("--quaternion-order", metavar="|".join(QUATERNION_ORDERS), help="where not its format's")
+    reader.add_argument("--steady", type=float, nargs=3, metavar=("VX", "VY", "WZ"), help="its constant command")
+    reader.add_argument("--leg-order", type=_legs, metavar="FR,FL,...", help="order of the legs, if not the format's")
+    reader.add_argument("--foot-order", type=_legs, metavar="FR,FL,...", help="order of the feet, if not the joints'")
+    reader.add_argument("--quaternion-order", metavar="|".join(QUATERNION_ORDERS), help="if not the format's")
     reader.add_argument(
         "--velocity-frame",
         type=_frames,
         default=("base", "base"),
         metavar="FRAME[,FRAME]",
-        help="base or world, of amp root velocities: both, or linear,angular (MuJoCo: world,base)",
+        help="base or world, of the root's velocities: both, or linear,angular (MuJoCo: world,base)",
     )
-    reader.add_argument("--trust-joints", action="store_true", help="compute the feet where the file's do not fit")
-    reader.add_argument("--derive-velocities", action="store_true", help="compute them from the positions")
+    reader.add_argument("--trust-joints", action="store_true", help="recompute feet that disagree with the joints")
+    reader.add_argument("--derive-velocities", action="store_true", help="compute velocities from positions")
     reader.add_argument("--ground", action="store_true", help="shift the motion until the lowest feet stand on z = 0")
-    reader.add_argument("--name", help="of the clip's file, without suffix (default: gait and the file's own)")
-    reader.add_argument("--folder", type=Path, default=IMPORTED_FOLDER, help="where it goes (default: %(default)s)")
-    reader.add_argument("--overwrite", action="store_true", help="replace a clip of that name")
+    reader.add_argument("--name", help="name of the clip, without suffix (default: gait and file name)")
+    reader.add_argument("--folder", type=Path, default=IMPORTED_FOLDER, help="output folder (default: %(default)s)")
+    reader.add_argument("--overwrite", action="store_true", help="replace an existing clip")
     reader.set_defaults(command="import")
     writer = commands.add_parser("export", help="write a clip in another project's format")
     writer.add_argument("clip", type=Path, help="the clip's .npz")

@@ -1,4 +1,4 @@
-"""From a file to a clip: read, check, resample to 50 Hz, and fill in what only a simulation would know."""
+"""From a file to a clip: read, check, resample to 50 Hz, and estimate what the file does not contain."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every reader is given and hands on: options, and a file's frames in the project's order, units and frames."""
+"""Input and output of every reader: options, and a file's motion in the project's order, units and frames."""
 
 from __future__ import annotations
 
