@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -47,6 +48,12 @@ def names(skills: Sequence[Skill]) -> tuple[str, ...]:
 def label_of(gait: str, frequency_hz: float, skills: Sequence[Skill]) -> int | None:
     """The label that motion of a gait and stride frequency has; None where it is no skill's."""
     return next((label for label, skill in enumerate(skills) if skill.includes(gait, frequency_hz)), None)
+
+
+def split_name(name: str) -> tuple[str, float | None]:
+    """A skill's gait and stride frequency in Hz, None where it has none: of "trot_3hz" trot and 3."""
+    match = re.fullmatch(r"(.+)_([0-9.]+)hz", name)
+    return (match[1], float(match[2])) if match else (name, None)
 
 
 def performed(gait: NDArray[np.str_], frequency_hz: NDArray[np.floating], skills: Sequence[Skill]) -> NDArray[np.str_]:

@@ -112,7 +112,9 @@ class Runner:
         metrics |= self._reward_metrics(terms, rollout)
         task_weights = self.config.env.reward.weights()
         weights |= {name: weights["task"] * weight for name, weight in task_weights.items()}
-        metrics |= {f"reward/{name}/weighted": weight * metrics[f"reward/{name}/raw"] for name, weight in weights.items()}
+        metrics |= {
+            f"reward/{name}/weighted": weight * metrics[f"reward/{name}/raw"] for name, weight in weights.items()
+        }
         metrics["env/diverged"] = float(distributed.total(torch.tensor(metrics["env/diverged"])))
         metrics |= self.alarms.update(metrics)
         readings = self._readings(rollout) if self.iteration % run.gait_every == 0 else {}
