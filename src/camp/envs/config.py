@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 from omegaconf import MISSING
 
@@ -93,12 +94,12 @@ class RewardConfig:
 
     # By term: its weight (absent or 0: not computed) and its parameters, numbers above 0. Names and parameters are
     # checked with the whole configuration, which knows the terms.
-    terms: dict[str, dict[str, float]] = field(default_factory=dict)
+    terms: dict[str, dict[str, Any]] = field(default_factory=dict)
     velocity_average_s: float = MISSING  # time constant of the average that is rewarded; 0: the velocity itself
 
     def weights(self) -> dict[str, float]:
         """Weight of every term that the environment computes, by its name."""
-        weights = {name: values.get("weight", 0.0) for name, values in self.terms.items()}
+        weights = {name: float(values.get("weight", 0.0)) for name, values in self.terms.items()}
         return {name: weight for name, weight in weights.items() if weight != 0.0}
 
     def check(self) -> None:

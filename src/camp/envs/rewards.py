@@ -9,6 +9,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping
 from functools import partial
+from typing import Any
 
 import torch
 from torch import Tensor
@@ -94,7 +95,7 @@ def tilt(s: Situation) -> Tensor:
     return s.measurement.gravity[:, :2].square().sum(dim=1)
 
 
-def check_terms(terms: Mapping[str, Mapping[str, float]]) -> None:
+def check_terms(terms: Mapping[str, Mapping[str, Any]]) -> None:
     """Raise ConfigError for a term or a parameter that does not exist, one that lacks and one out of range."""
     for name, values in terms.items():
         key = f"env.reward.terms.{name}"
@@ -108,14 +109,15 @@ def check_terms(terms: Mapping[str, Mapping[str, float]]) -> None:
         if lacking:
             raise ConfigError(f"{key}: lacks {lacking[0]}; add it beside {WEIGHT}")
         for parameter, value in values.items():
+            checks.require(type(value) in (int, float), f"{key}.{parameter}", value, "give a number")
             check = checks.finite if parameter == WEIGHT else checks.positive
             check(f"{key}.{parameter}", value)
 
 
-def active_terms(terms: Mapping[str, Mapping[str, float]]) -> dict[str, Callable[[Situation], Tensor]]:
+def active_terms(terms: Mapping[str, Mapping[str, Any]]) -> dict[str, Callable[[Situation], Tensor]]:
     """By name what is computed at every step: the terms whose weight is not 0."""
     return {
-        name: partial(TERMS[name], **{key: value for key, value in values.items() if key != WEIGHT})
+        name: partial(TERMS[name], **{key: float(value) for key, value in values.items() if key != WEIGHT})
         for name, values in terms.items()
         if values.get(WEIGHT, 0.0) != 0.0
     }

@@ -47,21 +47,28 @@ class Gait:
                 )
 
 
+GAITS: dict[str, Gait] = {}
+
+
+def add_gait(gait: Gait) -> None:
+    """Make a gait known. New ones come last: the random commands of a gait's clips are drawn by its place."""
+    if gait.name in GAITS:
+        raise ConfigError(f"gait {gait.name}: is there already; choose another name")
+    GAITS[gait.name] = gait
+
+
 # Colours: Okabe & Ito (2008), chosen to stay apart under the common colour-vision deficiencies.
-GAITS: dict[str, Gait] = {
-    gait.name: gait
-    for gait in (
-        Gait("trot", (0.0, 0.5, 0.5, 0.0), {2.0: 0.5, 3.0: 0.5, 4.0: 0.5}, "#0072B2"),
-        Gait("pace", (0.0, 0.5, 0.0, 0.5), {2.0: 0.5, 3.0: 0.5, 4.0: 0.5}, "#E69F00"),
-        # Bound and pronk need a flight phase.
-        Gait("bound", (0.0, 0.0, 0.5, 0.5), {2.0: 0.45, 3.0: 7 / 16, 4.0: 5 / 12}, "#009E73"),
-        Gait(
-            "pronk",
-            (0.0, 0.0, 0.0, 0.0),
-            {2.0: 0.6, 3.0: 0.5, 4.0: 0.5},  # at 2 Hz with duty .5 it would have to leap 7.7 cm high
-            "#CC79A7",
-            # At 2 Hz it flies far: beyond this the contacts leave the schedule and the knees near their end stop.
-            fastest={2.0: 0.8},
-        ),
+add_gait(Gait("trot", (0.0, 0.5, 0.5, 0.0), {2.0: 0.5, 3.0: 0.5, 4.0: 0.5}, "#0072B2"))
+add_gait(Gait("pace", (0.0, 0.5, 0.0, 0.5), {2.0: 0.5, 3.0: 0.5, 4.0: 0.5}, "#E69F00"))
+# Bound and pronk need a flight phase.
+add_gait(Gait("bound", (0.0, 0.0, 0.5, 0.5), {2.0: 0.45, 3.0: 7 / 16, 4.0: 5 / 12}, "#009E73"))
+add_gait(
+    Gait(
+        "pronk",
+        (0.0, 0.0, 0.0, 0.0),
+        {2.0: 0.6, 3.0: 0.5, 4.0: 0.5},  # at 2 Hz with duty .5 it would have to leap 7.7 cm high
+        "#CC79A7",
+        # At 2 Hz it flies far: beyond this the contacts leave the schedule and the knees near their end stop.
+        fastest={2.0: 0.8},
     )
-}
+)

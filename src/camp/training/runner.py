@@ -110,11 +110,8 @@ class Runner:
 
         self.iteration += 1
         metrics |= self._reward_metrics(terms, rollout)
-        task_weights = self.config.env.reward.weights()
-        weights |= {name: weights["task"] * weight for name, weight in task_weights.items()}
-        metrics |= {
-            f"reward/{name}/weighted": weight * metrics[f"reward/{name}/raw"] for name, weight in weights.items()
-        }
+        weights |= {name: weights["task"] * weight for name, weight in self.config.env.reward.weights().items()}
+        metrics |= {f"reward/{name}/weighted": weights[name] * metrics[f"reward/{name}/raw"] for name in weights}
         metrics["env/diverged"] = float(distributed.total(torch.tensor(metrics["env/diverged"])))
         metrics |= self.alarms.update(metrics)
         readings = self._readings(rollout) if self.iteration % run.gait_every == 0 else {}
