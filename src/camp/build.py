@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import copy
-import operator
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -18,7 +16,7 @@ from camp.algo.prior import Prior
 from camp.algo.skill import SkillPrior
 from camp.algo.style import StylePrior
 from camp.common import distributed
-from camp.common.errors import CheckpointError, ConfigError
+from camp.common.errors import ConfigError
 from camp.common.paths import assets_root
 from camp.common.seeding import generator
 from camp.common.threads import threads_of_process
@@ -33,7 +31,8 @@ from camp.motion.clips.sampler import Demonstrations, ReferenceStates
 from camp.motion.clips.store import load_clips
 from camp.robots import go2
 from camp.robots.amp_state import AMP_STATE_SIZE
-from camp.runs.checkpoint import INCOMPATIBLE, incompatible, latest_checkpoint, load_checkpoint
+from camp.runs.checkpoint import INCOMPATIBLE, incompatible
+from camp.runs.state import load_state
 from camp.sim.base import Gains, Simulator
 from camp.sim.choice import warp_installed
 from camp.sim.config import SimConfig
@@ -185,35 +184,20 @@ def load_run(folder: Path) -> Run:
     Raises CampError where it is missing, damaged or holds values that are not finite.
     """
     config = load_run_config(folder)
-    state = load_checkpoint(folder)
+    state = load_state(folder)
     skills = names(config.motion.skill_set())
     weights = generator(config.seed, "weights")
     actor = build_actor(config, weights)
     skill_prior = None
     try:
-        iteration = operator.index(state["iteration"])
-        actor.load_state_dict(state["ppo"]["actor"])
-        if "skill" in state["priors"]:
+        actor.load_state_dict(state.actor)
+        if state.skill_prior is not None:
             embedding = SkillEmbedding(len(skills), config.algo.embedding_size, weights)
             skill_prior = SkillPrior(config.algo.skill, embedding, skills, AMP_STATE_SIZE, weights)
-            skill_prior.load_state_dict(state["priors"]["skill"])
+            skill_prior.load_state_dict(state.skill_prior)
     except INCOMPATIBLE as error:
         raise incompatible(folder, error) from error
-    _check_finite("policy", [actor], folder)
-    _check_finite("skill discriminator", skill_prior.networks() if skill_prior else [], folder)
-    return Run(config, iteration, actor, skills, skill_prior)
-
-
-def _check_finite(name: str, networks: Sequence[nn.Module], folder: Path) -> None:
-    """Training that diverged leaves networks that answer NaN, which no comparison would notice."""
-    for network in networks:
-        for key, values in network.state_dict().items():
-            if not values.isfinite().all():
-                checkpoint = latest_checkpoint(folder)
-                raise CheckpointError(
-                    f"run folder {folder}: the {name} in {checkpoint.name} holds values that are not finite ({key}); "
-                    "move that file away to use the checkpoint before it, or train anew"
-                )
+    return Run(config, state.iteration, actor, skills, skill_prior)
 
 
 def _check_period(config: Config, clips: list[Clip]) -> None:

@@ -23,9 +23,10 @@ from camp.common.seeding import seed_everything
 from camp.common.threads import set_threads
 from camp.config.resolve import as_yaml, load_run_config, resolve
 from camp.config.schema import Config
-from camp.runs.checkpoint import INCOMPATIBLE, incompatible, load_checkpoint
+from camp.runs.checkpoint import INCOMPATIBLE, incompatible
 from camp.runs.folder import IMITATION, new_run_folder
 from camp.runs.logger import NoLogger, RunLogger
+from camp.runs.state import TrainingState, load_state
 from camp.runs.wandb_run import RunIdentity
 from camp.sim.choice import AUTO, why_no_gpu
 from camp.training.progress import Progress
@@ -80,9 +81,9 @@ def resume(folder: Path, overrides: Sequence[str]) -> Path:
                 "only run.iterations and logger.* may change; leave it out, or start a new run"
             )
     config = load_run_config(folder, changes)
-    checkpoint = load_checkpoint(folder)
-    _check_ranks(checkpoint, folder)
-    if checkpoint["iteration"] >= config.run.iterations:
+    state = load_state(folder)
+    _check_ranks(state, folder)
+    if state.iteration >= config.run.iterations:
         distributed.announce(
             f"{folder} has all its {config.run.iterations} iterations; add more with run.iterations=<number>"
         )
@@ -90,7 +91,7 @@ def resume(folder: Path, overrides: Sequence[str]) -> Path:
     with _training(config) as training:
         keep_imitating(training, config)
         runner = Runner(training, config, folder)
-        _restore(runner, checkpoint)
+        _restore(runner, state)
         with _logger(runner, resume_from=runner.iteration) as logger:
             _run(runner, logger)
     return folder
@@ -144,14 +145,19 @@ def _preloaded(training: Training) -> str:
     return f"{len(demonstrations):,} ({demonstrations.memory_bytes / 2**20:.0f} MiB)"
 
 
-def _check_ranks(checkpoint: dict, folder: Path) -> None:
+def _check_ranks(state: TrainingState, folder: Path) -> None:
     """Every rank continues its own episodes and random streams, so there must be as many as when it was saved."""
-    if not {"ranks", "alarms"} <= checkpoint.keys():
+    if state.is_shipped:
+        raise CheckpointError(
+            f"run folder {folder}: a shipped policy holds nothing to continue the training from; continue the run that "
+            "it was made of, or train anew"
+        )
+    if not state.ranks or not state.alarms:
         raise CheckpointError(
             f"run folder {folder}: its checkpoint is of an earlier camp, which can be evaluated but not continued; "
             "continue it with the commit in its versions.json, or train anew"
         )
-    saved, here = len(checkpoint["ranks"]), distributed.size()
+    saved, here = len(state.ranks), distributed.size()
     if saved != here:
         raise CheckpointError(
             f"run folder {folder}: it was trained by {saved} process{'es' * (saved > 1)}, and here are {here}; "
@@ -159,9 +165,9 @@ def _check_ranks(checkpoint: dict, folder: Path) -> None:
         )
 
 
-def _restore(runner: Runner, checkpoint: dict) -> None:
+def _restore(runner: Runner, state: TrainingState) -> None:
     try:
-        runner.load_state_dict(checkpoint)
+        runner.restore(state)
     except INCOMPATIBLE as error:
         raise incompatible(runner.folder, error) from error
 

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.motion.foreign import TROT, edit, in_world, qpos_of, shipped, spoiled, swap_legs, write_qpos
 
 from camp.common.errors import ClipError
 from camp.motion.clips.clip import Clip
@@ -16,6 +15,7 @@ from camp.motion.exchange.convert import import_motion
 from camp.motion.exchange.exporter import export_amp
 from camp.motion.exchange.feet import foot_heights
 from camp.motion.exchange.motion import ImportOptions
+from tests.motion.exchange.foreign import TROT, edit, in_world, qpos_of, shipped, spoiled, swap_legs, write_qpos
 
 
 @pytest.fixture
