@@ -110,7 +110,7 @@ def test_a_gait(project):
     report = json.loads((project / "outputs/latest/eval.json").read_text())
     assert set(report["policies"]["trained"]["confusion"]) == {"trot", "walk"}
     assert report["expert"]["walk"]["duty"] in (0.625, None)
-    assert "gait/walk/accuracy" in metrics(project)
+    assert "prior/skill/accuracy/walk" in metrics(project)
     assert (project / "outputs/latest/figures/contacts.png").is_file()
     known = run(project, WALK_IS_READ)
     assert known.split() == ["walk", "#56B4E9"]
