@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from analysis.style import INK, TERM_COLOURS, new_figure, skill_colours, style
 from camp.common.histogram import EDGES
+from camp.gaits.skills import split_name
 from camp.metrics.tracking import FAST_COMMAND_M_S
 
 PAGE = (7.2, 8.2)  # inches
@@ -208,7 +209,7 @@ def _draw_gaits(axes: Axes, training: TrainingCurves) -> None:
 
 def _stride_hz(skill: str) -> float:
     """A skill's stride frequency; 0 where it may have any."""
-    return float(skill.partition("_")[2].removesuffix("hz") or 0.0)
+    return split_name(skill)[1] or 0.0
 
 
 def _draw_logits(axes: Axes, training: TrainingCurves) -> None:

@@ -1,6 +1,7 @@
 """Expert motions on the command line.
 
 python -m camp.dataset                       generate the shipped clips (those that are there are kept)
+python -m camp.dataset --only 'trot_*'       those of them whose name fits
 python -m camp.dataset validate [FOLDER]     check clips, --all shows every value; exit code 1 if one is bad
 python -m camp.dataset card [FOLDER]         write the folder's README.md from its clips; exit code 1 if one is bad
 python -m camp.dataset perturbed --folder F  clips with noisy targets and corrective labels, for imitation
@@ -16,6 +17,7 @@ import signal
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import NoReturn
 
@@ -61,7 +63,15 @@ def _run(options: argparse.Namespace) -> int:
     if options.command == "perturbed":
         generate(perturbed_requests(options.count, options.seed), options)
         return 0  # some perturbed robots fall: their clips are left out
-    return int(generate(shipped_requests(), options) > 0)
+    return int(generate(_fitting(shipped_requests(), options.only), options) > 0)
+
+
+def _fitting(requests: Sequence[ClipRequest], pattern: str) -> list[ClipRequest]:
+    """The requests whose name fits. Raises ClipError where none does."""
+    found = [request for request in requests if fnmatchcase(request.name, pattern)]
+    if not found:
+        raise ClipError(f"--only {pattern!r}: fits no clip; their names are like {requests[0].name}")
+    return found
 
 
 def generate(requests: Sequence[ClipRequest], options: argparse.Namespace) -> int:
@@ -165,6 +175,9 @@ def _parser() -> argparse.ArgumentParser:
     shipped = assets_root() / "motions" / "go2"
     parser: argparse.ArgumentParser = _Parser(prog="python -m camp.dataset", description="Expert motions.")
     parser.set_defaults(command="generate")
+    parser.add_argument(
+        "--only", metavar="PATTERN", default="*", help="the clips whose name fits, such as 'trot_2hz_*'"
+    )
     _add_generation(parser, shipped)
     commands = parser.add_subparsers()
     check = commands.add_parser("validate", help="check the clips of a folder")

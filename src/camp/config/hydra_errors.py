@@ -46,9 +46,6 @@ def diagnosis(error: BaseException) -> str:
 def _describe(error: BaseException) -> str:
     if isinstance(error, CampError):
         return str(error)
-    if isinstance(error, OSError):
-        place = f"{error.filename}: " if error.filename is not None else ""
-        return f"{place}{error.strerror or error}; check the path, its rights and the space on the disk"
     if isinstance(error, MissingConfigException):
         return _missing_config(error)
     if isinstance(error, OverrideParseException):
@@ -60,6 +57,9 @@ def _describe(error: BaseException) -> str:
         )
     if isinstance(error, OmegaConfBaseException):
         return _omegaconf(error)
+    if isinstance(error, OSError) and not isinstance(error, HydraException):
+        place = f"{error.filename}: " if error.filename is not None else ""
+        return f"{place}{error.strerror or error}; check the path, its rights and the space on the disk"
     return _composition(error)
 
 

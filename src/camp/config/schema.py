@@ -12,6 +12,8 @@ from omegaconf import MISSING
 from camp.algo.config import AlgoConfig
 from camp.common import checks
 from camp.envs.config import EnvConfig
+from camp.envs.observations import check_names
+from camp.envs.rewards import check_terms
 from camp.gaits.schedule import GRID_STEPS
 from camp.gaits.skills import FREQUENCY_TOLERANCE
 from camp.motion.config import MotionConfig
@@ -72,6 +74,9 @@ class Config:
         checks.require(clean, "variant", self.variant, f"name it with {allowed}")
         for part in (self.env, self.sim, self.robot, self.motion, self.algo, self.run, self.logger):
             part.check()
+        check_terms(self.env.reward.terms)
+        check_names("env.observation.policy", self.env.observation.policy)
+        check_names("env.observation.critic", self.env.observation.critic)
         substeps = self.env.control_period_s / self.sim.physics_timestep_s
         checks.require(
             abs(substeps - round(substeps)) < 1e-6 and round(substeps) >= 1,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -56,6 +57,12 @@ def label_of(gait: str, frequency_hz: float, skills: Sequence[Skill]) -> int | N
     """The label that motion of a gait and stride frequency has, the nearest skill's; None where it is no skill's."""
     error = _errors(np.array([gait]), np.array([frequency_hz]), skills)[:, 0]
     return int(error.argmin()) if np.isfinite(error).any() else None
+
+
+def split_name(name: str) -> tuple[str, float | None]:
+    """A skill's gait and stride frequency in Hz, None where it has none: of "trot_3hz" trot and 3."""
+    match = re.fullmatch(r"(.+)_([0-9.]+)hz", name)
+    return (match[1], float(match[2])) if match else (name, None)
 
 
 def performed(gait: NDArray[np.str_], frequency_hz: NDArray[np.floating], skills: Sequence[Skill]) -> NDArray[np.str_]:

@@ -13,6 +13,9 @@ from camp.robots import go2
 NUM_FELT_BODIES = 1 + go2.NUM_LEGS  # base and thighs, whose ground reactions the model's sensors report
 
 
+Gains = tuple[tuple[float, ...], tuple[float, ...]]  # kp in N m/rad and kd in N m s/rad, 12 values each
+
+
 @dataclass
 class RobotState:
     """The state of N robots after a control step, float32 on the simulator's device.
@@ -139,6 +142,7 @@ class Simulator(Protocol):
     num_envs: int
     device: torch.device
     control_period: float  # s
+    gains: Gains  # nominal ones of the PD law
 
     @property
     def state(self) -> RobotState:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from camp.common.files import folder_lock
 from camp.common.seeding import generator
 from camp.config.schema import Config
 from camp.gaits import schedule
+from camp.gaits.gait import GAITS, GRID_STEPS
 from camp.motion import expert
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.mirror import mirrored
@@ -71,7 +73,8 @@ def perturbed_clips(config: Config) -> list[Clip]:
     wanted = config.motion
     cells = [(gait, frequency) for gait in wanted.skills for frequency in wanted.frequencies_hz]
     requests = perturbed_requests(wanted.perturbed_clips, PERTURBED_SEED, cells)
-    folder = Path(wanted.perturbed_folder or Path(config.output_dir) / "motions" / f"perturbed-{_expert_version()}")
+    version = _expert_version(wanted.skills)
+    folder = Path(wanted.perturbed_folder or Path(config.output_dir) / "motions" / f"perturbed-{version}")
     with folder_lock(folder):  # jobs of a sweep want the same clips
         _generate_missing(requests, folder)
     made = [path for path in (folder / f"{request.name}.npz" for request in requests) if path.is_file()]
@@ -112,9 +115,11 @@ def _under_way(clip: Clip) -> Clip:
     return replace(clip, **{name: rows[first:] for name, rows in arrays.items() if len(rows) == len(clip)})
 
 
-def _expert_version() -> str:
-    """Eight letters that change with what the clips depend on: the robot, its gaits, the expert and the requests."""
+def _expert_version(gaits: Sequence[str]) -> str:
+    """Eight letters that change with what the clips depend on: the robot, these gaits, the expert and the requests."""
     modules = (go2, schedule, requests, generate, recording)
     sources = [go2.MODEL_PATH, *(Path(str(module.__file__)) for module in modules)]
     sources += sorted(Path(str(expert.__file__)).parent.glob("*.py"))
-    return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()[:8]
+    timing = [GRID_STEPS, *((name, GAITS[name].phases, dict(GAITS[name].duty)) for name in gaits)]
+    content = [repr(timing).encode(), *(source.read_bytes() for source in sources)]
+    return hashlib.sha256(b"".join(content)).hexdigest()[:8]

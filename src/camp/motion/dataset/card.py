@@ -8,11 +8,10 @@ from pathlib import Path
 
 from camp.common.errors import ClipError
 from camp.common.files import write_text
-from camp.gaits.schedule import GAIT_PHASES
+from camp.gaits.gait import GAITS
 from camp.motion.clips.clip import SPLITS, STAND, TRAINING_SPLITS, Clip
 from camp.motion.clips.consistency import ClipCheck
 from camp.motion.dataset.report import Cell, worst_by_cell
-from camp.motion.dataset.requests import FASTEST
 from camp.robots.go2 import FOOT_NAMES, JOINT_NAMES, PD_GAIN_D, PD_GAIN_P
 
 CARD_NAME = "README.md"
@@ -129,7 +128,9 @@ _FILES = f"""One `.npz` per clip, no pickles: `numpy.load(path, allow_pickle=Fal
 joints {_JOINTS_OF_A_LEG}, then the other legs'. Row t is the state in which target t was given. Numbers are
 float32."""
 
-_SLOWED = ", ".join(f"a {gait} at {rate:g} Hz to {speed:g} m/s" for (gait, rate), speed in FASTEST.items())
+_SLOWED = ", ".join(
+    f"a {gait.name} at {rate:g} Hz to {speed:g} m/s" for gait in GAITS.values() for rate, speed in gait.fastest.items()
+)
 _LIMITS = f"""Frequency, speed and turn errors are of the means over whole strides. Phases: worst pair of legs.
 Contacts: fraction of rows and feet that follow the schedule. Duty and flight: difference to the schedule's. Slip: speed
 of standing feet. Torque and joint speed: largest fraction of the limit. Beyond range: negative where the joints stay
@@ -141,7 +142,7 @@ contacts match for .85 of the time."""
 def _counts_table(clips: Mapping[str, Clip]) -> str:
     splits = [split for split in SPLITS if any(clip.split == split for clip in clips.values())]
     counts = Counter(map(_cell_of, clips.values()))
-    order = [*GAIT_PHASES, STAND]
+    order = [*GAITS, STAND]
     shown = {(gait, frequency) for _, gait, frequency in counts}
     cells = sorted(shown, key=lambda cell: (order.index(cell[0]), cell[1]))
     rows = [
