@@ -132,7 +132,8 @@ def test_the_loop_needs_little_of_camp():
         "camp.common.errors",
         "camp.metrics.gait",
         "camp.deployment.metadata",
-        "camp.robots.go2",
+        "camp.robots.quadruped",
+        "camp.robots.registry",
     }
 
 

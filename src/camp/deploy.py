@@ -24,7 +24,8 @@ from numpy.typing import NDArray
 from camp.common.errors import CampError
 from camp.deployment.metadata import read_metadata
 from camp.metrics.gait import measure_gait
-from camp.robots.go2 import CONTACT_FORCE, FOOT_NAMES, MODEL_PATH
+from camp.robots.quadruped import CONTACT_FORCE, FOOT_NAMES
+from camp.robots.registry import find_robot
 
 Array = NDArray[np.float32]
 
@@ -90,7 +91,7 @@ class Robot:
 
     def __init__(self, metadata: dict[str, Any]):
         """Raises CampError for a control period that the physics timestep does not divide."""
-        self.model = mujoco.MjModel.from_xml_path(str(MODEL_PATH))
+        self.model = mujoco.MjModel.from_xml_path(str(find_robot(metadata["robot"]).model_path))
         self.data = mujoco.MjData(self.model)
         joints = [self.model.joint(name) for name in metadata["joint_names"]]
         self._position = np.array([joint.qposadr[0] for joint in joints])

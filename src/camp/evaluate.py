@@ -11,7 +11,7 @@ import torch
 from omegaconf import DictConfig
 from rich.console import Console
 
-from camp.build import Run, build_actor, load_run
+from camp.build import Run, build_actor, build_robot, load_run
 from camp.cli.hydra_main import run_hydra
 from camp.common.errors import ConfigError
 from camp.common.files import make_folder, whole_file, write_text
@@ -22,7 +22,7 @@ from camp.evaluation.judge import Judge, Judgement
 from camp.evaluation.record import log_evaluation
 from camp.evaluation.rollout import Policy
 from camp.evaluation.tables import printed
-from camp.robots import go2
+from camp.robots.quadruped import NUM_JOINTS
 from camp.runs.folder import ARRAYS, REPORT, VIDEOS, results_folder
 
 TABLE_WIDTH = 140  # characters, where the output is not a terminal
@@ -42,7 +42,8 @@ def evaluate(composed: DictConfig) -> Path:
     console = Console() if sys.stdout.isatty() else Console(width=TABLE_WIDTH)
     console.print(printed(report))
     print(f"wrote {folder / REPORT} and {folder / ARRAYS}", flush=True)
-    videos = film(judgement, run.skills, evaluation, folder / VIDEOS) if evaluation.video else {}
+    robot = build_robot(run.config.robot)
+    videos = film(robot, judgement, run.skills, evaluation, folder / VIDEOS) if evaluation.video else {}
     log_evaluation(run, folder, report, videos)
     return folder
 
@@ -50,7 +51,7 @@ def evaluate(composed: DictConfig) -> Path:
 def _baselines(run: Run) -> dict[str, Policy]:
     return {
         "untrained": build_actor(run.config, generator(run.config.seed, "weights")),
-        "standing": lambda observation: torch.zeros(len(observation), go2.NUM_JOINTS),
+        "standing": lambda observation: torch.zeros(len(observation), NUM_JOINTS),
     }
 
 

@@ -8,13 +8,14 @@ import pytest
 from camp.evaluation.arrays import switching_arrays
 from camp.evaluation.plan import orders
 from camp.evaluation.switching import find_switches, summarize_switching
+from camp.robots.go2 import GO2
 from tests.evaluation.synthetic import SKILLS, STEPS, sequences
 
 ORDERS = orders(range(4), 24)
 
 
 def summarize(recording):
-    return summarize_switching(recording, find_switches(recording, SKILLS), SKILLS, 1.0)
+    return summarize_switching(GO2, recording, find_switches(recording, SKILLS), SKILLS, 1.0)
 
 
 def test_every_switch_of_every_order_is_found():

@@ -15,7 +15,7 @@ from omegaconf import OmegaConf
 from camp.build import load_run, motion_folder
 from camp.common.errors import CheckpointError, ConfigError
 from camp.common.files import write_text
-from camp.common.paths import assets_root
+from camp.common.paths import shipped_motions
 from camp.config.resolve import as_yaml, load_run_config
 from camp.config.schema import Config
 from camp.deployment.export import metadata
@@ -108,7 +108,7 @@ def _epochs(path: Path) -> list[dict[str, Any]] | None:
 
 def _portable(config: Config) -> Config:
     """The configuration without places of the machine that trained."""
-    shipped = assets_root() / "motions" / "go2"
+    shipped = shipped_motions(config.robot.name)
     if motion_folder(config).resolve() != shipped.resolve():
         raise ConfigError(
             f"motion.folder = {config.motion.folder!r}: a shipped policy is judged against the shipped clips; train "

@@ -13,6 +13,7 @@ import numpy as np
 
 from camp.common.errors import CheckpointError
 from camp.config.schema import Config
+from camp.robots.registry import find_robot
 from camp.runs.folder import IMITATION, METRICS, VERSIONS, resumed_at
 from camp.runs.metrics import read_metrics
 
@@ -26,7 +27,7 @@ _PLACES = ("output_dir=", "motion.perturbed_folder=", "motion.folder=", "hydra."
 CARD = """\
 # {name}
 
-One policy for the Unitree Go2 with the skills {skills}. The folder is a small run folder
+One policy for the {robot} with the skills {skills}. The folder is a small run folder
 (docs/deployment.md): the networks and their normalizers, without anything to continue the training from.
 
 | | |
@@ -103,6 +104,7 @@ def describe(name: str, made_by: Provenance) -> str:
     whole = "" if made_by.minutes is None else f"{made_by.minutes:.1f} min, everything included; "
     return CARD.format(
         name=name,
+        robot=find_robot(config.robot.name).title,
         skills=", ".join(skill.name for skill in config.motion.skill_set()),
         command=versions["command"],
         seed=config.seed,

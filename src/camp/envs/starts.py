@@ -12,9 +12,8 @@ from camp.common.tensors import constant
 from camp.envs import initialization
 from camp.envs.commands import sample_commands, sample_skills, uniform
 from camp.envs.config import EnvConfig
-from camp.envs.randomization import sample_dynamics
 from camp.motion.clips.sampler import ReferenceStates
-from camp.robots import go2
+from camp.robots.robot import Robot
 from camp.sim.base import Dynamics, InitialState
 
 
@@ -39,24 +38,19 @@ class Starts:
 
 
 def draw_starts(
-    num: int,
+    robot: Robot,
+    dynamics: Dynamics,
     config: EnvConfig,
     references: ReferenceStates,
     generator: torch.Generator,
-    dynamics: Dynamics | None = None,
 ) -> Starts:
-    """``num`` beginnings: randomized dynamics, a skill, and a frame of one of its clips or a standing start.
-
-    ``dynamics``: those of the ``num`` robots, instead of random ones.
-    """
-    init = config.initialization
-    if dynamics is None:
-        dynamics = sample_dynamics(num, config.randomization, generator)
+    """Beginnings for the robots of ``dynamics``: a skill, and a frame of one of its clips or a standing start."""
+    num, init = len(dynamics.friction), config.initialization
     skill = sample_skills(num, references.num_skills, generator)
     reference = references.sample(skill, generator)
     at_reference = uniform((0.0, 1.0), (num,), generator) < init.reference_fraction
     initial = initialization.merge(
-        at_reference, initialization.from_reference(reference), initialization.standing(num, init, generator)
+        at_reference, initialization.from_reference(reference), initialization.standing(robot, num, init, generator)
     )
     command = sample_commands(num, config.command, generator)
     target = reference.joint_target_applied_previous
@@ -68,5 +62,5 @@ def draw_starts(
         skill=skill,
         command=torch.where(row, reference.command, command),
         average_velocity=reference.command * row,
-        joint_target=torch.where(row, target, constant(go2.DEFAULT_JOINT_POSITION, target)),
+        joint_target=torch.where(row, target, constant(robot.default_joint_position, target)),
     )

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from camp.build import build_robot
 from camp.config.schema import Config
 from camp.evaluation import arrays, gait
 from camp.evaluation.config import EvaluationConfig
@@ -45,6 +46,7 @@ class Judge:
     def __init__(self, config: Config, evaluation: EvaluationConfig, clips: list[Clip]):
         self.config, self.evaluation, self.clips = config, evaluation, clips
         self.skills = config.motion.skill_set()
+        self._robot = build_robot(config.robot)
         self._period = config.env.control_period_s
         self._friction = config.env.randomization.nominal_friction
 
@@ -75,7 +77,7 @@ class Judge:
         if "tracking" in parts:
             report["tracking"] = summarize_tracking(reading)
         if "quality" in parts:
-            report["quality"] = summarize_quality(reading)
+            report["quality"] = summarize_quality(self._robot, reading)
         if "style" in parts:
             report["style"] = summarize_style(reading, self.skills, self.clips)
         result.arrays |= arrays.grid_arrays(result.grid, reading, self.evaluation.commands)
@@ -87,7 +89,7 @@ class Judge:
         recording = roll_out(policy, self.config, plan, self.clips, self.evaluation.seed)
         switches = find_switches(recording, self.skills)
         result.switching = recording
-        result.report["switching"] = summarize_switching(recording, switches, self.skills, wanted.within_s)
+        result.report["switching"] = summarize_switching(self._robot, recording, switches, self.skills, wanted.within_s)
         result.arrays |= arrays.switching_arrays(recording, switches)
 
     def _judge_robustness(self, policy: Policy, result: Judgement) -> None:

@@ -8,8 +8,7 @@ import torch
 from torch import Tensor
 
 from camp.common.tensors import constant
-from camp.robots import go2
-from camp.robots.config import RobotConfig
+from camp.robots.robot import PerJoint, Robot
 from camp.sim.base import Dynamics
 
 
@@ -22,16 +21,17 @@ class MotorLaw:
 
     stiffness: Tensor  # (N, 12) N m/rad
     damping: Tensor  # (N, 12) N m s/rad
+    limit: PerJoint  # N m
 
     @classmethod
-    def of(cls, robot: RobotConfig, dynamics: Dynamics) -> MotorLaw:
-        """The law with the nominal gains of conf/robot and the robots' own deviations."""
-        kp, kd = (torch.tensor(list(gains) * go2.NUM_LEGS) for gains in (robot.kp, robot.kd))
+    def of(cls, robot: Robot, dynamics: Dynamics) -> MotorLaw:
+        """The law with the robot's nominal gains and each copy's own deviations."""
+        kp, kd = (torch.tensor(gains) for gains in (robot.pd_gain_p, robot.pd_gain_d))
         strength = dynamics.motor_strength
-        return cls(kp * dynamics.kp_scale * strength, kd * dynamics.kd_scale * strength)
+        return cls(kp * dynamics.kp_scale * strength, kd * dynamics.kd_scale * strength, robot.torque_limit)
 
     def torque(self, joint_target: Tensor, joint_position: Tensor, joint_velocity: Tensor) -> Tensor:
         """(N, 12) N m, from rad and rad/s."""
-        limit = constant(go2.TORQUE_LIMIT, joint_position)
+        limit = constant(self.limit, joint_position)
         wanted = self.stiffness * (joint_target - joint_position) - self.damping * joint_velocity
         return torch.clamp(wanted, -limit, limit)

@@ -93,7 +93,7 @@ def roll_out(policy: Policy, config: Config, plan: Plan, clips: list[Clip], seed
     """
     num, steps = plan.skill.shape
     env = build_env(evaluation_setting(config, steps), clips, num_envs=num)
-    motors = MotorLaw.of(config.robot, plan.dynamics)
+    motors = MotorLaw.of(env.robot, plan.dynamics)
     trouble = _Trouble(plan, noise_width(env.actor_entries, config.env.noise), config.env.control_period_s, seed)
     kept: dict[str, list[Tensor]] = {}
     steps_upright = torch.full((num,), steps)
@@ -123,7 +123,7 @@ def roll_out(policy: Policy, config: Config, plan: Plan, clips: list[Clip], seed
                 "joint_velocity": after.joint_velocity,
                 "torque": torch.stack([torque for torque, _ in torques], dim=1),
                 "power": sum((torque * speed).abs().sum(dim=1) for torque, speed in torques) / len(torques),
-                "foot_speed": sliding_speed(measure(after)),
+                "foot_speed": sliding_speed(env.robot, measure(env.robot, after)),
                 "amp_state": result.transition[:, 1],
                 "qpos": after.qpos(),
             }

@@ -16,7 +16,7 @@ from camp.metrics.effort import torque_use, velocity_jump
 from camp.metrics.gait import label_over_time, switch_time
 from camp.metrics.switching import fraction_within, peak_in_windows, quantile_of_switches
 from camp.metrics.tracking import joint_tracking_accuracy, joint_tracking_of_range
-from camp.robots import go2
+from camp.robots.robot import Robot
 
 WINDOW_S = 0.5  # behind a switch and, for steady walking, before the next one or the end
 
@@ -57,7 +57,7 @@ def find_switches(recording: Recording, skills: Sequence[Skill]) -> Switches:
 
 
 def summarize_switching(
-    recording: Recording, switches: Switches, skills: Sequence[Skill], within_s: float
+    robot: Robot, recording: Recording, switches: Switches, skills: Sequence[Skill], within_s: float
 ) -> dict[str, Any]:
     """How reliably, quickly and smoothly gaits change, over all and by the gait that is switched to."""
     upright = ~recording.fallen
@@ -71,10 +71,10 @@ def summarize_switching(
         "falls": int(recording.fallen.sum()),
         "within_s": within_s,
         **_timing(switches.seconds[true], within_s),
-        **_smoothness(recording, switches, np.ones_like(true)),
+        **_smoothness(robot, recording, switches, np.ones_like(true)),
         "to_gait": {
             name: _timing(switches.seconds[true & (after == name)], within_s)
-            | _smoothness(recording, switches, after == name)
+            | _smoothness(robot, recording, switches, after == name)
             for name in names
         },
         "pairs": {
@@ -100,11 +100,11 @@ def _timing(seconds: NDArray[np.floating], within_s: float) -> dict[str, Any]:
     }
 
 
-def _smoothness(recording: Recording, switches: Switches, chosen: NDArray[np.bool_]) -> dict[str, Any]:
+def _smoothness(robot: Robot, recording: Recording, switches: Switches, chosen: NDArray[np.bool_]) -> dict[str, Any]:
     """Peaks in the half second behind the switches ``chosen`` (M,), beside those in the last half second of the same
     skills."""
     length = round(WINDOW_S / recording.period_s)
-    torque = torque_use(recording.torque, np.array(go2.TORQUE_LIMIT)).max(axis=2)  # (R, T)
+    torque = torque_use(recording.torque, np.array(robot.torque_limit)).max(axis=2)  # (R, T)
     jump = velocity_jump(recording.joint_velocity)
     upright = recording.steps_upright[switches.robot]
     behind = chosen & switches.true & (switches.begin + length <= upright)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from camp.robots.go2 import JOINT_KINDS
+from camp.robots.quadruped import JOINT_KINDS
 
 Array = NDArray[np.floating]
 
