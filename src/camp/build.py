@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import torch
@@ -22,13 +23,13 @@ from camp.common.threads import threads_of_process
 from camp.config.devices import learner_device, simulator_device
 from camp.config.resolve import load_run_config
 from camp.config.schema import Config
-from camp.envs.measurement import AMP_STATE_SIZE
-from camp.envs.observations import actor_entries, privileged_entries, size
+from camp.envs.observations import entries_of, size
 from camp.envs.quadruped import QuadrupedEnv
-from camp.gaits.skills import label_of, names
+from camp.gaits.skills import names
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.sampler import Demonstrations, ReferenceStates
-from camp.motion.clips.store import load_clips
+from camp.motion.clips.store import load_skill_clips
+from camp.robots.amp_state import AMP_STATE_SIZE
 from camp.robots.config import RobotConfig
 from camp.robots.quadruped import NUM_JOINTS, NUM_LEGS
 from camp.robots.registry import find_robot
@@ -67,7 +68,11 @@ class Run:
     actor: GaussianActor
     skills: tuple[str, ...]  # names in label order
     skill_prior: SkillPrior | None  # None where an ablation trained without
-    clips: list[Clip]
+
+    @cached_property
+    def clips(self) -> list[Clip]:
+        """The expert clips of its skills, loaded when they are first asked for. Raises ClipError."""
+        return expert_clips(self.config)
 
 
 def build_robot(config: RobotConfig) -> Robot:
@@ -83,11 +88,9 @@ def motion_folder(config: Config) -> Path:
 
 
 def expert_clips(config: Config) -> list[Clip]:
-    """The clips that show one of the configured skills. Raises ClipError where a gait has none."""
-    skills = config.motion.skill_set()
-    robot, folder = build_robot(config.robot), motion_folder(config)
-    clips = load_clips(robot, folder, config.motion.skills, with_mirrored=config.motion.mirrored)
-    return [clip for clip in clips if label_of(clip.gait, clip.frequency_hz, skills) is not None]
+    """The clips of the configured skills and stride frequencies. Raises ClipError where a skill has none."""
+    robot, folder, motion = build_robot(config.robot), motion_folder(config), config.motion
+    return load_skill_clips(robot, folder, motion.skill_set(), list(motion.frequencies_hz), motion.mirrored)
 
 
 def build_simulator(config: Config, num_envs: int | None = None) -> Simulator:
@@ -176,8 +179,7 @@ def share_of_rank(config: Config) -> Config:
 
 def build_actor(config: Config, weights: torch.Generator) -> GaussianActor:
     """The policy network, on the CPU."""
-    observation = size(actor_entries(len(config.motion.skill_set())))
-    return GaussianActor(observation, NUM_JOINTS, config.algo.actor, weights)
+    return GaussianActor(_observed(config)[0], NUM_JOINTS, config.algo.actor, weights)
 
 
 def load_run(folder: Path) -> Run:
@@ -199,7 +201,7 @@ def load_run(folder: Path) -> Run:
             skill_prior.load_state_dict(state.skill_prior)
     except INCOMPATIBLE as error:
         raise incompatible(folder, error) from error
-    return Run(config, state.iteration, actor, skills, skill_prior, expert_clips(config))
+    return Run(config, state.iteration, actor, skills, skill_prior)
 
 
 def _check_period(config: Config, clips: list[Clip]) -> None:
@@ -213,8 +215,13 @@ def _check_period(config: Config, clips: list[Clip]) -> None:
 
 
 def _build_critic(config: Config, weights: torch.Generator) -> Critic:
-    inputs = size(actor_entries(len(config.motion.skill_set()))) + size(privileged_entries())
-    return Critic(inputs, config.algo.critic, weights)
+    return Critic(sum(_observed(config)), config.algo.critic, weights)
+
+
+def _observed(config: Config) -> tuple[int, int]:
+    """How many numbers the policy observes, and how many the critic besides."""
+    num_skills, observed = len(config.motion.skill_set()), config.env.observation
+    return size(entries_of(observed.policy, num_skills)), size(entries_of(observed.critic, num_skills))
 
 
 def _build_priors(config: Config, embedding: SkillEmbedding, weights: torch.Generator) -> list[Prior]:

@@ -8,8 +8,9 @@ import mujoco
 import numpy as np
 import torch
 
-from camp.envs.measurement import AMP_STATE_SIZE, measure, rotate, rotate_inverse
+from camp.envs.measurement import measure, rotate, rotate_inverse
 from camp.motion.clips.clip import amp_state
+from camp.robots.amp_state import AMP_STATE_SIZE
 from camp.robots.go2 import GO2
 from camp.robots.quadruped import FOOT_NAMES
 from camp.sim.base import RobotState

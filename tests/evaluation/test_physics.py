@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import torch
 
-from camp.envs.measurement import measure
-from camp.evaluation.physics import MotorLaw, sliding_speed
+from camp.envs.measurement import measure, sliding_speed
+from camp.evaluation.physics import MotorLaw
 from camp.robots.go2 import GO2
 from camp.robots.quadruped import FOOT_NAMES
 from camp.sim.base import Dynamics, InitialState

@@ -1,4 +1,4 @@
-"""What a simulator offers the environment, whatever it runs on."""
+"""The interface of simulators to the environment."""
 
 from __future__ import annotations
 
@@ -137,7 +137,7 @@ class Simulator(Protocol):
     On an accelerator none of the methods that are called at every step makes the host wait for it.
     """
 
-    robot: Robot
+    robot: Robot  # with the nominal gains of the PD law
     num_envs: int
     device: torch.device
     control_period: float  # s
