@@ -127,12 +127,24 @@ class InitializationConfig:
 
 
 @dataclass
+class EpisodeGrowthConfig:
+    """A curriculum: episodes begin short and double again and again, up to ``env.episode_s``."""
+
+    initial_s: float | None = None  # length of the first episodes; null: ``env.episode_s`` from the start
+    doubling_s: float = 28.8  # the length doubles whenever every robot has been simulated for this long
+
+    def check(self) -> None:
+        checks.positive("env.episode_growth.doubling_s", self.doubling_s)
+
+
+@dataclass
 class EnvConfig:
     """The whole group conf/env."""
 
-    episode_s: float = MISSING
+    episode_s: float = MISSING  # at most
     control_period_s: float = MISSING
     observe_skill: bool = MISSING  # false: the skill's entries of the observation are zero (ablation)
+    episode_growth: EpisodeGrowthConfig = field(default_factory=EpisodeGrowthConfig)
     noise: NoiseConfig = field(default_factory=NoiseConfig)
     command: CommandConfig = field(default_factory=CommandConfig)
     reward: RewardConfig = field(default_factory=RewardConfig)
@@ -149,7 +161,15 @@ class EnvConfig:
             self.episode_s,
             f"choose at least one control period ({self.control_period_s} s)",
         )
+        initial = self.episode_growth.initial_s
+        checks.require(
+            initial is None or self.control_period_s <= initial <= self.episode_s,
+            "env.episode_growth.initial_s",
+            initial,
+            f"choose null, or a length within control_period_s .. episode_s ({self.control_period_s} .. {self.episode_s} s)",
+        )
         for part in (
+            self.episode_growth,
             self.noise,
             self.command,
             self.reward,

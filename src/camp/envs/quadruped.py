@@ -81,7 +81,7 @@ class QuadrupedEnv(VectorEnv):
         self._generator = generator
         self._device = sim.device
         self._noise = observations.noise_width(self.actor_entries, config.noise).to(self._device)
-        self._episode_steps = self._steps(config.episode_s)
+        self.num_steps = 0  # control steps of each robot since construction
         self._steps_to_draw = 0  # control steps until new starts are drawn
         num, device = self.num_envs, self._device
         self.step_count = torch.zeros(num, dtype=torch.int64, device=device)  # control steps into the episode
@@ -111,7 +111,7 @@ class QuadrupedEnv(VectorEnv):
         self._steps_to_draw = 0
         if options.get("stagger", True):
             self.step_count = torch.randint(
-                self._episode_steps, (self.num_envs,), generator=self._generator, device=self._device
+                self._episode_steps(), (self.num_envs,), generator=self._generator, device=self._device
             )
         return self.observation, {"privileged": self.privileged}
 
@@ -126,6 +126,7 @@ class QuadrupedEnv(VectorEnv):
         if self._steps_to_draw == 0:
             self._draw_starts()
         self._steps_to_draw -= 1
+        self.num_steps += 1
         self.last_action = action
         self._push()
         self.sim.step(self.default_pose + self.action_scale * action)
@@ -144,7 +145,7 @@ class QuadrupedEnv(VectorEnv):
         )
         reward = task_rewards(self.command, self.average_velocity, self.config.reward)
         terminated = failed(measurement, diverged, self.config.termination)
-        truncated = (self.step_count >= self._episode_steps) & ~terminated
+        truncated = (self.step_count >= self._episode_steps()) & ~terminated
         command, skill = self.command, self.skill
 
         self._draw_commands()
@@ -181,6 +182,7 @@ class QuadrupedEnv(VectorEnv):
         state["starts"] = self._starts.state_dict()
         state["starts_sight"] = vars(self._starts_sight)
         state["steps_to_draw"] = self._steps_to_draw
+        state["num_steps"] = self.num_steps
         state["generator"] = generator_state(self._generator)
         state["sim"] = self.sim.state_dict()
         return state
@@ -194,6 +196,7 @@ class QuadrupedEnv(VectorEnv):
         self._starts = Starts.from_state_dict(state["starts"])
         self._starts_sight = _Sight(**state["starts_sight"])
         self._steps_to_draw = state["steps_to_draw"]
+        self.num_steps = state["num_steps"]
         restore_generator(self._generator, generator)
         self.sim.prepare(self.dynamics)
         self.sim.reset(torch.ones_like(self.step_count, dtype=torch.bool), self._starts.initial)
@@ -202,6 +205,14 @@ class QuadrupedEnv(VectorEnv):
 
     def close(self, **kwargs: Any) -> None:
         self.sim.close()
+
+    def _episode_steps(self) -> int:
+        """Control steps until an episode is truncated now; grows with ``env.episode_growth``."""
+        growth, longest = self.config.episode_growth, self.config.episode_s
+        if growth.initial_s is None:
+            return self._steps(longest)
+        doublings = self.num_steps * self.sim.control_period / growth.doubling_s
+        return self._steps(min(longest, growth.initial_s * 2.0 ** min(doublings, 64.0)))
 
     def _steps(self, seconds: float) -> int:
         return max(1, round(seconds / self.sim.control_period))
