@@ -50,6 +50,8 @@ def busy(config: Config) -> Config:
     config.env.episode_s = 0.4
     config.env.command.skill_period_s = 0.2
     config.algo.style.replay_size = 500
+    config.env.transition_ages = [3, 1, 0]
+    config.env.episode_growth.initial_s, config.env.episode_growth.doubling_s = 0.1, 2.0
     config.run.iterations, config.run.checkpoint_every = 6, 3
     return config
 

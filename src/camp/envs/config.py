@@ -144,6 +144,9 @@ class EnvConfig:
     episode_s: float = MISSING  # at most
     control_period_s: float = MISSING
     observe_skill: bool = MISSING  # false: the skill's entries of the observation are zero (ablation)
+    # Ages in control steps of the states that the discriminators judge together, oldest first; [1, 0]: the paper's
+    # two consecutive states. Older ones show the stride frequency.
+    transition_ages: list[int] = field(default_factory=lambda: [1, 0])
     episode_growth: EpisodeGrowthConfig = field(default_factory=EpisodeGrowthConfig)
     noise: NoiseConfig = field(default_factory=NoiseConfig)
     command: CommandConfig = field(default_factory=CommandConfig)
@@ -161,12 +164,19 @@ class EnvConfig:
             self.episode_s,
             f"choose at least one control period ({self.control_period_s} s)",
         )
-        initial = self.episode_growth.initial_s
+        initial, period = self.episode_growth.initial_s, self.control_period_s
         checks.require(
-            initial is None or self.control_period_s <= initial <= self.episode_s,
+            initial is None or period <= initial <= self.episode_s,
             "env.episode_growth.initial_s",
             initial,
-            f"choose null, or a length within control_period_s .. episode_s ({self.control_period_s} .. {self.episode_s} s)",
+            f"choose null, or a length within control_period_s .. episode_s ({period} .. {self.episode_s})",
+        )
+        ages = list(self.transition_ages)
+        checks.require(
+            len(ages) >= 2 and ages[-1] == 0 and ages == sorted(set(ages), reverse=True),
+            "env.transition_ages",
+            ages,
+            "choose two or more ages in control steps, the oldest first and 0 last, such as [1, 0]",
         )
         for part in (
             self.episode_growth,

@@ -38,7 +38,6 @@ STARTS_PERIOD_S = 0.4
 class _Sight:
     """What N robots show at one moment."""
 
-    amp_state: Tensor  # (N, S)
     observation: Tensor  # (N, O) with sensor noise
     privileged: Tensor  # (N, X)
 
@@ -90,7 +89,8 @@ class QuadrupedEnv(VectorEnv):
         self.last_action = torch.zeros(num, go2.NUM_JOINTS, device=device)
         self.average_velocity = torch.zeros(num, 3, device=device)  # of the last strides, as the reward takes it
         self.dynamics = Dynamics.nominal(num, config.randomization.nominal_friction, device)
-        self.amp_state = torch.zeros(num, AMP_STATE_SIZE, device=device)
+        self._ages = tuple(config.transition_ages)
+        self.amp_history = torch.zeros(num, self._ages[0], AMP_STATE_SIZE, device=device)  # the last A states
         self.num_diverged = torch.zeros((), dtype=torch.int64, device=device)  # simulations since construction
         self.default_pose = constant(go2.DEFAULT_JOINT_POSITION, self.command)
         self.observation = torch.zeros(num, observations.size(self.actor_entries), device=device)
@@ -137,8 +137,9 @@ class QuadrupedEnv(VectorEnv):
         self.num_diverged = self.num_diverged + diverged.sum()
         # A robot whose simulation diverged has no successor state; a pair that stands still keeps it finite.
         successor = torch.where(diverged[:, None], self.amp_state, measurement.amp_state())
-        transition = torch.stack([self.amp_state, successor], dim=1)
-        self.amp_state = successor
+        history = torch.cat([self.amp_history, successor[:, None]], dim=1)  # (N, A + 1, S)
+        transition = torch.stack([history[:, -1 - age] for age in self._ages], dim=1)
+        self.amp_history = history[:, 1:]
         velocity = measurement.velocity().nan_to_num(0.0)
         self.average_velocity = averaged(
             self.average_velocity, velocity, self.sim.control_period, self.config.reward.velocity_average_s
@@ -189,7 +190,7 @@ class QuadrupedEnv(VectorEnv):
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
         generator = state["generator"]
-        state = copied(state, self._device)
+        state = _with_history(copied(state, self._device))
         for name in _STATE:
             setattr(self, name, state[name])
         self.dynamics = Dynamics(**state["dynamics"])
@@ -205,6 +206,11 @@ class QuadrupedEnv(VectorEnv):
 
     def close(self, **kwargs: Any) -> None:
         self.sim.close()
+
+    @property
+    def amp_state(self) -> Tensor:
+        """(N, S) what the discriminators see of every robot now."""
+        return self.amp_history[:, -1]
 
     def _episode_steps(self) -> int:
         """Control steps until an episode is truncated now; grows with ``env.episode_growth``."""
@@ -231,7 +237,7 @@ class QuadrupedEnv(VectorEnv):
             starts.average_velocity,
             starts.dynamics,
         )
-        self._starts_sight = _Sight(measurement.amp_state(), *self._observe(situation))
+        self._starts_sight = _Sight(*self._observe(situation))
         self._steps_to_draw = self._steps(STARTS_PERIOD_S)
 
     def _begin(self, mask: Tensor) -> None:
@@ -244,7 +250,7 @@ class QuadrupedEnv(VectorEnv):
         self.command = select(mask, starts.command, self.command)
         self.average_velocity = select(mask, starts.average_velocity, self.average_velocity)
         self.last_action = select(mask, self._action_before(starts), self.last_action)
-        self.amp_state = select(mask, sight.amp_state, self.amp_state)
+        self.amp_history = select(mask, starts.amp_history, self.amp_history)
         self.observation = select(mask, sight.observation, self.observation)
         self.privileged = select(mask, sight.privileged, self.privileged)
 
@@ -303,11 +309,20 @@ _STATE = (
     "skill",
     "last_action",
     "average_velocity",
-    "amp_state",
+    "amp_history",
     "observation",
     "privileged",
     "num_diverged",
 )
+
+
+def _with_history(state: dict[str, Any]) -> dict[str, Any]:
+    """The state as it is saved today; before ``env.transition_ages`` it held each robot's last AMP state alone."""
+    if "amp_state" not in state:
+        return state
+    sight = dict(state["starts_sight"])
+    starts = state["starts"] | {"amp_history": sight.pop("amp_state")[:, None]}
+    return state | {"amp_history": state["amp_state"][:, None], "starts": starts, "starts_sight": sight}
 
 
 def _box(width: int) -> gym.spaces.Box:

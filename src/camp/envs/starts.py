@@ -12,6 +12,7 @@ from camp.constants import constant
 from camp.envs import initialization
 from camp.envs.commands import sample_commands, sample_skills, uniform
 from camp.envs.config import EnvConfig
+from camp.envs.measurement import measure
 from camp.envs.randomization import sample_dynamics
 from camp.motion.sampler import ReferenceStates
 from camp.robots import go2
@@ -28,6 +29,7 @@ class Starts:
     command: Tensor  # (N, 3) vx, vy in m/s, yaw rate in rad/s
     average_velocity: Tensor  # (N, 3) the same, that the reward's average begins with
     joint_target: Tensor  # (N, 12) rad, what the PD law is taken to have held before
+    amp_history: Tensor  # (N, A, S) the last A AMP states, its own the last
 
     def state_dict(self) -> dict[str, Any]:
         return vars(self) | {"initial": vars(self.initial), "dynamics": self.dynamics.tensors()}
@@ -61,6 +63,9 @@ def draw_starts(
     command = sample_commands(num, config.command, generator)
     target = reference.joint_target_applied_previous
     row = at_reference[:, None]
+    # Measured, not read: a clip's own last state may differ in the last digit. Who stands has stood before.
+    present = measure(initial.robot_state()).amp_state()[:, None]
+    past = torch.where(row[..., None], reference.amp_history, present)
     # A robot set into a clip goes on with the clip's command, and remembers the clip's last target.
     return Starts(
         initial=initial,
@@ -69,4 +74,5 @@ def draw_starts(
         command=torch.where(row, reference.command, command),
         average_velocity=reference.command * row,
         joint_target=torch.where(row, target, constant(go2.DEFAULT_JOINT_POSITION, target)),
+        amp_history=torch.cat([past[:, :-1], present], dim=1),
     )

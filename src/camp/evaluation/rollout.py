@@ -123,7 +123,7 @@ def roll_out(policy: Policy, config: Config, plan: Plan, clips: list[Clip], seed
                 "torque": torch.stack([torque for torque, _ in torques], dim=1),
                 "power": sum((torque * speed).abs().sum(dim=1) for torque, speed in torques) / len(torques),
                 "foot_speed": sliding_speed(measure(after)),
-                "amp_state": result.transition[:, 1],
+                "amp_state": result.transition[:, -1],
                 "qpos": after.qpos(),
             }
             for name, value in values.items():
