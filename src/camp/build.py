@@ -27,6 +27,7 @@ from camp.motion.clips import Clip, load_clips
 from camp.motion.sampler import Demonstrations, ReferenceStates
 from camp.motion.skills import label_of, names
 from camp.paths import assets_root
+from camp.patience import Patience
 from camp.robots import go2
 from camp.seeding import generator
 from camp.sim.base import Simulator
@@ -140,6 +141,15 @@ def build_training(config: Config) -> Training:
     )
     set_precision(training.networks(), config.algo.precision)
     return training
+
+
+def build_patience(training: Training, config: Config) -> Patience | None:
+    """What ends episodes in which the commanded skill is not shown; None where nothing shall."""
+    seconds = config.algo.skill.patience_s
+    prior = next((prior for prior in training.priors if isinstance(prior, SkillPrior)), None)
+    if seconds is None or prior is None:
+        return None
+    return Patience(prior, seconds, training.env.num_envs, training.env.sim.control_period)
 
 
 # Of the learner's random streams those that differ between ranks.

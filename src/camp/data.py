@@ -57,6 +57,10 @@ class Step:
     velocity: Tensor  # (N, 3) vx, vy in m/s, yaw rate in rad/s, base frame, reached at its end
     foot_contact: Tensor  # (N, 4) bool at its end
 
+    def motion(self) -> Transition:
+        """What the robots did and should have done, as the priors judge it."""
+        return Transition(self.transition, self.skill)
+
 
 class Decision(NamedTuple):
     """What the policy and the critic say about N observations (unpacks as a tuple)."""

@@ -15,7 +15,7 @@ from camp.alarms import AlarmMonitor, alarms_of
 from camp.algo.averages import Averages
 from camp.algo.losses import gae, mix_rewards
 from camp.algo.prior import WithHistograms
-from camp.build import Training
+from camp.build import Training, build_patience
 from camp.checkpoint import save_run_checkpoint
 from camp.collector import Collector
 from camp.config import Config
@@ -44,7 +44,7 @@ class Runner:
             env.sim.device,
         )
         self.alarms = AlarmMonitor(alarms_of(config))
-        self.collector = Collector(env, training.ppo, self.monitor, training.device)
+        self.collector = Collector(env, training.ppo, self.monitor, training.device, build_patience(training, config))
         self.iteration = 0  # completed ones
 
     def start(self) -> None:
@@ -143,6 +143,7 @@ class Runner:
             "memories": {prior.name: prior.memory() for prior in training.priors},
             "env": training.env.state_dict(),
             "monitor": self.monitor.state_dict(),
+            "collector": self.collector.state_dict(),
             "generators": {name: generator_state(g) for name, g in training.generators.items()},
             "global_random_state": global_state(),
         }
@@ -159,6 +160,7 @@ class Runner:
             prior.load_memory(own["memories"][prior.name])
         training.env.load_state_dict(own["env"])
         self.monitor.load_state_dict(own["monitor"])
+        self.collector.load_state_dict(own.get("collector", {}))  # before `algo.skill.patience_s` there was none
         for name, generator in training.generators.items():
             restore_generator(generator, own["generators"][name])
         restore_global_state(own["global_random_state"])

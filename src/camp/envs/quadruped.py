@@ -121,8 +121,11 @@ class QuadrupedEnv(VectorEnv):
         info = {"step": result, "privileged": result.privileged, "final_obs": result.final_observation}
         return result.observation, result.task_reward, result.terminated, result.truncated, info
 
-    def advance(self, action: Tensor) -> Step:
-        """One control step with the network's outputs (N, 12): target = default pose + k action."""
+    def advance(self, action: Tensor, give_up: Tensor | None = None) -> Step:
+        """One control step with the network's outputs (N, 12): target = default pose + k action.
+
+        give_up: (N,) bool, whose episode is truncated at its end in any case.
+        """
         if self._steps_to_draw == 0:
             self._draw_starts()
         self._steps_to_draw -= 1
@@ -146,7 +149,10 @@ class QuadrupedEnv(VectorEnv):
         )
         reward = task_rewards(self.command, self.average_velocity, self.config.reward)
         terminated = failed(measurement, diverged, self.config.termination)
-        truncated = (self.step_count >= self._episode_steps()) & ~terminated
+        truncated = self.step_count >= self._episode_steps()
+        if give_up is not None:
+            truncated = truncated | give_up
+        truncated = truncated & ~terminated
         command, skill = self.command, self.skill
 
         self._draw_commands()
