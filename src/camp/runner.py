@@ -21,6 +21,7 @@ from camp.collector import Collector
 from camp.config import Config
 from camp.data import Rollout
 from camp.gait_monitor import GaitMonitor
+from camp.hardening import next_difficulty
 from camp.logger import Metric, NoLogger, RunLogger
 from camp.motion.skills import names
 from camp.progress import Progress
@@ -111,7 +112,10 @@ class Runner:
         metrics |= {f"reward/{name}/weighted": weights[name] * metrics[f"reward/{name}/raw"] for name in terms}
         metrics["env/diverged"] = float(distributed.total(torch.tensor(metrics["env/diverged"])))
         metrics |= self.alarms.update(metrics)
+        metrics["env/difficulty"] = training.env.difficulty
         readings = self._readings(rollout) if self.iteration % run.gait_every == 0 else {}
+        hardening = self.config.env.hardening
+        training.env.difficulty = next_difficulty(training.env.difficulty, metrics | readings, hardening)
         metrics["time/collect_s"] = collected - started
         metrics["time/score_s"] = scored - collected
         metrics["time/policy_update_s"] = policy_updated - scored

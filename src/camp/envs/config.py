@@ -138,6 +138,30 @@ class EpisodeGrowthConfig:
 
 
 @dataclass
+class HardeningConfig:
+    """A curriculum: noise, randomization and pushes begin weak and grow while the gaits hold (`camp.hardening`)."""
+
+    initial: float | None = None  # difficulty in [0, 1] at the start; null: all of it from the start
+    step: float = 0.05  # of the difficulty, at one reading of the gaits (run.gait_every)
+    accuracy_up: float = 0.9  # harder where this share shows its gait, mean over skills, ...
+    falls_per_1000_steps: float = 1.0  # ... and no more fall
+    accuracy_down: float = 0.75  # easier below it
+
+    def check(self) -> None:
+        if self.initial is not None:
+            checks.share("env.hardening.initial", self.initial)
+        checks.share("env.hardening.step", self.step)
+        checks.share("env.hardening.accuracy_up", self.accuracy_up)
+        checks.not_negative("env.hardening.falls_per_1000_steps", self.falls_per_1000_steps)
+        checks.require(
+            0.0 <= self.accuracy_down <= self.accuracy_up,
+            "env.hardening.accuracy_down",
+            self.accuracy_down,
+            f"choose a share within 0 .. accuracy_up ({self.accuracy_up})",
+        )
+
+
+@dataclass
 class EnvConfig:
     """The whole group conf/env."""
 
@@ -148,6 +172,7 @@ class EnvConfig:
     # two consecutive states. Older ones show the stride frequency.
     transition_ages: list[int] = field(default_factory=lambda: [1, 0])
     episode_growth: EpisodeGrowthConfig = field(default_factory=EpisodeGrowthConfig)
+    hardening: HardeningConfig = field(default_factory=HardeningConfig)
     noise: NoiseConfig = field(default_factory=NoiseConfig)
     command: CommandConfig = field(default_factory=CommandConfig)
     reward: RewardConfig = field(default_factory=RewardConfig)
@@ -180,6 +205,7 @@ class EnvConfig:
         )
         for part in (
             self.episode_growth,
+            self.hardening,
             self.noise,
             self.command,
             self.reward,

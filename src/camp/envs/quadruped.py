@@ -19,6 +19,7 @@ from camp.envs import observations
 from camp.envs.commands import sample_commands, sample_skills, uniform
 from camp.envs.config import EnvConfig
 from camp.envs.measurement import AMP_STATE_SIZE, Measurement, measure
+from camp.envs.randomization import randomization_at, sample_dynamics
 from camp.envs.rewards import averaged, task_rewards
 from camp.envs.starts import Starts, draw_starts
 from camp.envs.terminations import failed
@@ -81,6 +82,8 @@ class QuadrupedEnv(VectorEnv):
         self._device = sim.device
         self._noise = observations.noise_width(self.actor_entries, config.noise).to(self._device)
         self.num_steps = 0  # control steps of each robot since construction
+        initial = config.hardening.initial
+        self.difficulty = 1.0 if initial is None else initial  # share of noise, randomization and pushes
         self._steps_to_draw = 0  # control steps until new starts are drawn
         num, device = self.num_envs, self._device
         self.step_count = torch.zeros(num, dtype=torch.int64, device=device)  # control steps into the episode
@@ -190,6 +193,7 @@ class QuadrupedEnv(VectorEnv):
         state["starts_sight"] = vars(self._starts_sight)
         state["steps_to_draw"] = self._steps_to_draw
         state["num_steps"] = self.num_steps
+        state["difficulty"] = self.difficulty
         state["generator"] = generator_state(self._generator)
         state["sim"] = self.sim.state_dict()
         return state
@@ -204,6 +208,7 @@ class QuadrupedEnv(VectorEnv):
         self._starts_sight = _Sight(**state["starts_sight"])
         self._steps_to_draw = state["steps_to_draw"]
         self.num_steps = state["num_steps"]
+        self.difficulty = state.get("difficulty", 1.0)  # before env.hardening there was none
         restore_generator(self._generator, generator)
         self.sim.prepare(self.dynamics)
         self.sim.reset(torch.ones_like(self.step_count, dtype=torch.bool), self._starts.initial)
@@ -231,6 +236,9 @@ class QuadrupedEnv(VectorEnv):
 
     def _draw_starts(self, dynamics: Dynamics | None = None) -> None:
         """The start that each robot takes if its episode ends before the next draw."""
+        if dynamics is None:
+            ranges = randomization_at(self.difficulty, self.config.randomization)
+            dynamics = sample_dynamics(self.num_envs, ranges, self._generator)
         starts = draw_starts(self.num_envs, self.config, self.references, self._generator, dynamics)
         measurement = measure(starts.initial.robot_state())
         self.sim.prepare(starts.dynamics)
@@ -274,7 +282,7 @@ class QuadrupedEnv(VectorEnv):
         config = self.config.push
         if not config.enabled:
             return
-        limit = config.max_velocity_m_s
+        limit = self.difficulty * config.max_velocity_m_s
         change = torch.zeros(self.num_envs, 3, device=self._device)
         change[:, :2] = uniform((-limit, limit), (self.num_envs, 2), self._generator)
         due = (self.step_count + 1) % self._steps(config.period_s) == 0
@@ -303,7 +311,9 @@ class QuadrupedEnv(VectorEnv):
         """The policy's observation with sensor noise, and the critic's privileged part without."""
         observation = observations.observe(self.actor_entries, situation)
         if self.config.noise.enabled:
-            observation += self._noise * uniform((-1.0, 1.0), tuple(observation.shape), self._generator)
+            observation += (
+                self.difficulty * self._noise * uniform((-1.0, 1.0), tuple(observation.shape), self._generator)
+            )
         privileged = observations.observe(self.privileged_entries, situation)
         return _bounded(observation), _bounded(privileged)
 

@@ -13,7 +13,6 @@ from camp.envs import initialization
 from camp.envs.commands import sample_commands, sample_skills, uniform
 from camp.envs.config import EnvConfig
 from camp.envs.measurement import measure
-from camp.envs.randomization import sample_dynamics
 from camp.motion.sampler import ReferenceStates
 from camp.robots import go2
 from camp.sim.base import Dynamics, InitialState
@@ -45,15 +44,11 @@ def draw_starts(
     config: EnvConfig,
     references: ReferenceStates,
     generator: torch.Generator,
-    dynamics: Dynamics | None = None,
+    dynamics: Dynamics,
 ) -> Starts:
-    """``num`` beginnings: randomized dynamics, a skill, and a frame of one of its clips or a standing start.
-
-    ``dynamics``: those of the ``num`` robots, instead of random ones.
-    """
+    """``num`` beginnings of robots with these ``dynamics``: a skill, and a frame of one of its clips or a standing
+    start."""
     init = config.initialization
-    if dynamics is None:
-        dynamics = sample_dynamics(num, config.randomization, generator)
     skill = sample_skills(num, references.num_skills, generator)
     reference = references.sample(skill, generator)
     at_reference = uniform((0.0, 1.0), (num,), generator) < init.reference_share
