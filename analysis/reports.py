@@ -9,8 +9,8 @@ from typing import Any
 
 from analysis.load import AnalysisError, evaluation_folder
 from camp.evaluation.verdict import Finding
+from camp.runs.folder import REPORT
 
-REPORT_FILE = "eval.json"
 SAME = ("variant", "iteration", "parts", "duration_s", "discard_s")  # keys in which compared runs agree
 
 
@@ -18,7 +18,7 @@ SAME = ("variant", "iteration", "parts", "duration_s", "discard_s")  # keys in w
 class SkillGait:
     """How the policy walks under one commanded skill."""
 
-    accuracy: float  # share of the roll-outs that show it
+    accuracy: float  # fraction of the roll-outs that show it
     frequency_hz: float | None  # None where no robot steps
 
 
@@ -39,7 +39,7 @@ class Report:
 
 def read_report(run: Path) -> Report:
     """The evaluation of a run folder. Raises AnalysisError where it is missing or damaged."""
-    path = evaluation_folder(run) / REPORT_FILE
+    path = evaluation_folder(run) / REPORT
     remedy = f"run `python -m camp.evaluate run={run}` first"
     try:
         return parse_report(json.loads(path.read_text(encoding="utf-8")))

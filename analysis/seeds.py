@@ -13,7 +13,7 @@ from pathlib import Path
 
 from analysis.load import AnalysisError
 from analysis.reports import SAME, Report, SkillGait, read_report
-from camp.arguments import run_command
+from camp.cli.key_values import run_command
 from camp.evaluation.verdict import Finding
 
 USAGE = "python -m analysis.seeds <run folder> <run folder> ..."

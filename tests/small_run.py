@@ -10,11 +10,11 @@ from omegaconf import OmegaConf
 
 from camp.algo.models import GaussianActor
 from camp.build import build_training
-from camp.checkpoint import save_run_checkpoint
-from camp.compose import compose_config
-from camp.config import as_yaml
+from camp.config.compose import compose_config
+from camp.config.resolve import as_yaml
 from camp.envs.quadruped import QuadrupedEnv
-from camp.runner import Runner
+from camp.runs.checkpoint import save_run_checkpoint
+from camp.training.runner import Runner
 
 OVERRIDES = (
     "run=smoke",

@@ -14,13 +14,13 @@ import pytest
 
 from camp import deploy
 from camp.build import load_run
-from camp.errors import CampError
+from camp.common.errors import CampError
+from camp.common.paths import policies_root
+from camp.deployment.export import export_policy
 from camp.evaluation.plan import grid_plan
 from camp.evaluation.rollout import Recording, roll_out
-from camp.export import export_policy
+from camp.gaits.skills import performed
 from camp.metrics.gait import measure_gait
-from camp.motion.skills import performed
-from camp.paths import policies_root
 from tests.errors import assert_one_line
 from tests.small_run import small_run
 
@@ -129,9 +129,9 @@ def test_the_loop_needs_little_of_camp():
     tree = ast.parse(Path(deploy.__file__).read_text())
     modules = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module}
     assert {name for name in modules if name.startswith("camp")} == {
-        "camp.errors",
+        "camp.common.errors",
         "camp.metrics.gait",
-        "camp.policy_metadata",
+        "camp.deployment.metadata",
         "camp.robots.go2",
     }
 

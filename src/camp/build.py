@@ -11,29 +11,32 @@ from pathlib import Path
 import torch
 from torch import nn
 
-from camp import distributed
 from camp.algo.models import Critic, GaussianActor, SkillEmbedding, set_precision
 from camp.algo.ppo import PPO
 from camp.algo.prior import Prior
 from camp.algo.skill import SkillPrior
 from camp.algo.style import StylePrior
-from camp.checkpoint import MISFITS, latest_checkpoint, load_checkpoint, misfit
-from camp.config import Config, SimConfig, learner_device, load_run_config, simulator_device
+from camp.common import distributed
+from camp.common.errors import CheckpointError, ConfigError
+from camp.common.paths import assets_root
+from camp.common.seeding import generator
+from camp.common.threads import threads_of_process
+from camp.config.devices import learner_device, simulator_device
+from camp.config.resolve import load_run_config
+from camp.config.schema import Config
 from camp.envs.measurement import AMP_STATE_SIZE
 from camp.envs.observations import actor_entries, privileged_entries, size
 from camp.envs.quadruped import QuadrupedEnv
-from camp.errors import CheckpointError, ConfigError
-from camp.motion.clips import Clip, load_clips
-from camp.motion.sampler import Demonstrations, ReferenceStates
-from camp.motion.skills import label_of, names
-from camp.paths import assets_root
-from camp.patience import Patience
+from camp.gaits.skills import label_of, names
+from camp.motion.clips.clip import Clip
+from camp.motion.clips.sampler import Demonstrations, ReferenceStates
+from camp.motion.clips.store import load_clips
 from camp.robots import go2
-from camp.seeding import generator
+from camp.runs.checkpoint import INCOMPATIBLE, incompatible, latest_checkpoint, load_checkpoint
 from camp.sim.base import Simulator
 from camp.sim.choice import warp_installed
+from camp.sim.config import SimConfig
 from camp.sim.cpu import CpuSimulator
-from camp.threads import threads_of_process
 
 
 @dataclass
@@ -143,15 +146,6 @@ def build_training(config: Config) -> Training:
     return training
 
 
-def build_patience(training: Training, config: Config) -> Patience | None:
-    """What ends episodes in which the commanded skill is not shown; None where nothing shall."""
-    seconds = config.algo.skill.patience_s
-    prior = next((prior for prior in training.priors if isinstance(prior, SkillPrior)), None)
-    if seconds is None or prior is None:
-        return None
-    return Patience(prior, seconds, training.env.num_envs, training.env.sim.control_period)
-
-
 # Of the learner's random streams those that differ between ranks.
 _OWN_STREAMS = ("policy", "minibatches", "priors", "imitation", "readings")
 
@@ -195,8 +189,8 @@ def load_run(folder: Path) -> Run:
             embedding = SkillEmbedding(len(skills), config.algo.embedding_size, weights)
             skill_prior = SkillPrior(config.algo.skill, embedding, skills, _motion_shape(config), weights)
             skill_prior.load_state_dict(state["priors"]["skill"])
-    except MISFITS as error:
-        raise misfit(folder, error) from error
+    except INCOMPATIBLE as error:
+        raise incompatible(folder, error) from error
     _check_finite("policy", [actor], folder)
     _check_finite("skill discriminator", skill_prior.networks() if skill_prior else [], folder)
     return Run(config, iteration, actor, skills, skill_prior, expert_clips(config))

@@ -12,20 +12,19 @@ from omegaconf import DictConfig
 from rich.console import Console
 
 from camp.build import Run, build_actor, load_run
-from camp.cli import run_hydra
-from camp.errors import ConfigError
+from camp.cli.hydra_main import run_hydra
+from camp.common.errors import ConfigError
+from camp.common.files import make_folder, whole_file, write_text
+from camp.common.seeding import generator
 from camp.evaluation.config import EvaluationConfig, resolve_evaluation
 from camp.evaluation.films import film
 from camp.evaluation.judge import Judge, Judgement
 from camp.evaluation.record import log_evaluation
 from camp.evaluation.rollout import Policy
 from camp.evaluation.tables import printed
-from camp.files import make_folder, whole_file, write_text
-from camp.paths import results_folder
 from camp.robots import go2
-from camp.seeding import generator
+from camp.runs.folder import ARRAYS, REPORT, VIDEOS, results_folder
 
-VIDEOS = "videos"  # folder of the mp4s
 TABLE_WIDTH = 140  # characters, where the output is not a terminal
 
 
@@ -42,7 +41,7 @@ def evaluate(composed: DictConfig) -> Path:
     _write(folder, report, judgement)
     console = Console() if sys.stdout.isatty() else Console(width=TABLE_WIDTH)
     console.print(printed(report))
-    print(f"wrote {folder / 'eval.json'} and {folder / 'eval.npz'}", flush=True)
+    print(f"wrote {folder / REPORT} and {folder / ARRAYS}", flush=True)
     videos = film(judgement, run.skills, evaluation, folder / VIDEOS) if evaluation.video else {}
     log_evaluation(run, folder, report, videos)
     return folder
@@ -68,8 +67,8 @@ def _heading(run: Run, folder: Path, evaluation: EvaluationConfig) -> dict:
 
 
 def _write(folder: Path, report: dict, judgement: Judgement) -> None:
-    write_text(folder / "eval.json", json.dumps(report, indent=2, allow_nan=False) + "\n")
-    arrays = folder / "eval.npz"
+    write_text(folder / REPORT, json.dumps(report, indent=2, allow_nan=False) + "\n")
+    arrays = folder / ARRAYS
     try:
         with whole_file(arrays) as file:
             np.savez_compressed(file, allow_pickle=False, **judgement.arrays)  # pyright: ignore[reportArgumentType]

@@ -14,20 +14,23 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
 from omegaconf import DictConfig
 
-from camp import distributed
 from camp.build import Training, build_training
-from camp.checkpoint import MISFITS, load_checkpoint, misfit
-from camp.cli import new_run_folder, run_hydra
-from camp.config import Config, as_yaml, load_run_config, resolve
-from camp.errors import CheckpointError, ConfigError
-from camp.files import write_text
-from camp.logger import NoLogger, RunIdentity, RunLogger
-from camp.progress import Progress
-from camp.runner import Runner
-from camp.seeding import seed_everything
+from camp.cli.hydra_main import run_hydra
+from camp.common import distributed
+from camp.common.errors import CheckpointError, ConfigError
+from camp.common.files import write_text
+from camp.common.seeding import seed_everything
+from camp.common.threads import set_threads
+from camp.config.resolve import as_yaml, load_run_config, resolve
+from camp.config.schema import Config
+from camp.runs.checkpoint import INCOMPATIBLE, incompatible, load_checkpoint
+from camp.runs.folder import IMITATION, new_run_folder
+from camp.runs.logger import NoLogger, RunLogger
+from camp.runs.wandb_run import RunIdentity
 from camp.sim.choice import AUTO, why_no_gpu
-from camp.threads import set_threads
-from camp.warm_start import keep_imitating, warm_start
+from camp.training.progress import Progress
+from camp.training.runner import Runner
+from camp.training.warm_start import keep_imitating, warm_start
 
 
 def train(composed: DictConfig) -> Path:
@@ -52,7 +55,7 @@ def _train(config: Config) -> Path:
         runner.start()
         with _logger(runner) as logger:
             if distributed.is_first():
-                write_text(runner.folder / "imitation.jsonl", "".join(json.dumps(row) + "\n" for row in imitation))
+                write_text(runner.folder / IMITATION, "".join(json.dumps(row) + "\n" for row in imitation))
             runner.save()
             _run(runner, logger)
     return runner.folder
@@ -159,8 +162,8 @@ def _check_ranks(checkpoint: dict, folder: Path) -> None:
 def _restore(runner: Runner, checkpoint: dict) -> None:
     try:
         runner.load_state_dict(checkpoint)
-    except MISFITS as error:
-        raise misfit(runner.folder, error) from error
+    except INCOMPATIBLE as error:
+        raise incompatible(runner.folder, error) from error
 
 
 @contextmanager

@@ -9,10 +9,10 @@ import pytest
 
 import analysis.__main__ as command
 from analysis.load import NoLatentSpaceError
-from camp import paths
-from camp.motion.gaits import GAIT_PHASES
-from camp.motion.skills import skill_set
-from camp.provenance import condensed
+from camp.common import paths
+from camp.deployment.provenance import condensed
+from camp.gaits.schedule import GAIT_PHASES
+from camp.gaits.skills import skill_set
 from tests.analysis.synthetic import clip_features, metrics, write_evaluation, write_metrics
 from tests.errors import assert_one_line
 

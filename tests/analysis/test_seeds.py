@@ -9,7 +9,7 @@ import pytest
 
 from analysis.reports import parse_report, read_report
 from analysis.seeds import TargetRow, main, target_rows
-from camp.paths import policies_root
+from camp.common.paths import policies_root
 
 
 def walking(*skills: str, accuracy: float = 1.0) -> dict:

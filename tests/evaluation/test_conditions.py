@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 import torch
 
-from camp.errors import ConfigError
+from camp.common.errors import ConfigError
 from camp.evaluation.conditions import Condition, check_conditions
 from camp.evaluation.plan import disturbed_plan, grid_plan, one_per_gait, switching_plan
 from camp.evaluation.rollout import roll_out
-from camp.motion.skills import skill_set
+from camp.gaits.skills import skill_set
 
 
 def test_conditions_become_robots_one_after_the_other():

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camp.cli import run_hydra
+from camp.cli.hydra_main import run_hydra
 from camp.evaluate import evaluate
 from camp.evaluation import films, record
 from camp.evaluation.tables import printed

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import torch
 
-from camp.config import RobotConfig
 from camp.envs.measurement import measure
 from camp.evaluation.physics import MotorLaw, sliding_speed
 from camp.robots import go2
+from camp.robots.config import RobotConfig
 from camp.sim.base import Dynamics, InitialState
 
 

@@ -11,21 +11,19 @@ import torch
 from gymnasium.vector import AutoresetMode, VectorEnv
 from torch import Tensor
 
-from camp.algo.losses import mix_rewards
-from camp.checkpoint import copied
-from camp.constants import constant
+from camp.common.seeding import generator_state, restore_generator
+from camp.common.tensors import constant, copied
 from camp.data import Step
 from camp.envs import observations
 from camp.envs.commands import sample_commands, sample_skills, uniform
 from camp.envs.config import EnvConfig
 from camp.envs.measurement import AMP_STATE_SIZE, Measurement, measure
 from camp.envs.randomization import randomization_at, sample_dynamics
-from camp.envs.rewards import averaged, task_rewards
+from camp.envs.rewards import averaged, mix_rewards, task_rewards
 from camp.envs.starts import Starts, draw_starts
 from camp.envs.terminations import failed
-from camp.motion.sampler import ReferenceStates
+from camp.motion.clips.sampler import ReferenceStates
 from camp.robots import go2
-from camp.seeding import generator_state, restore_generator
 from camp.sim.base import Dynamics, Simulator, select
 
 # The observation's bound for values that a diverging simulation produces; far beyond anything physical.
@@ -36,8 +34,8 @@ STARTS_PERIOD_S = 0.4
 
 
 @dataclass
-class _Sight:
-    """What N robots show at one moment."""
+class _Observed:
+    """What is observed of N robots at one moment."""
 
     observation: Tensor  # (N, O) with sensor noise
     privileged: Tensor  # (N, X)
@@ -190,7 +188,7 @@ class QuadrupedEnv(VectorEnv):
         state: dict[str, Any] = {name: getattr(self, name) for name in _STATE}
         state["dynamics"] = self.dynamics.tensors()
         state["starts"] = self._starts.state_dict()
-        state["starts_sight"] = vars(self._starts_sight)
+        state["starts_observed"] = vars(self._starts_observed)
         state["steps_to_draw"] = self._steps_to_draw
         state["num_steps"] = self.num_steps
         state["difficulty"] = self.difficulty
@@ -205,9 +203,9 @@ class QuadrupedEnv(VectorEnv):
             setattr(self, name, state[name])
         self.dynamics = Dynamics(**state["dynamics"])
         self._starts = Starts.from_state_dict(state["starts"])
-        self._starts_sight = _Sight(**state["starts_sight"])
+        self._starts_observed = _Observed(**state["starts_observed"])
         self._steps_to_draw = state["steps_to_draw"]
-        self.num_steps = state["num_steps"]
+        self.num_steps = state.get("num_steps", 0)  # before env.episode_growth nobody counted
         self.difficulty = state.get("difficulty", 1.0)  # before env.hardening there was none
         restore_generator(self._generator, generator)
         self.sim.prepare(self.dynamics)
@@ -251,12 +249,12 @@ class QuadrupedEnv(VectorEnv):
             starts.average_velocity,
             starts.dynamics,
         )
-        self._starts_sight = _Sight(*self._observe(situation))
+        self._starts_observed = _Observed(*self._observe(situation))
         self._steps_to_draw = self._steps(STARTS_PERIOD_S)
 
     def _begin(self, mask: Tensor) -> None:
         """Begin an episode with the robots of ``mask`` (N,) bool."""
-        starts, sight = self._starts, self._starts_sight
+        starts, observed = self._starts, self._starts_observed
         self.sim.reset(mask, starts.initial)
         self.dynamics = self.dynamics.replaced(mask, starts.dynamics)
         self.step_count = self.step_count.masked_fill(mask, 0)
@@ -265,8 +263,8 @@ class QuadrupedEnv(VectorEnv):
         self.average_velocity = select(mask, starts.average_velocity, self.average_velocity)
         self.last_action = select(mask, self._action_before(starts), self.last_action)
         self.amp_history = select(mask, starts.amp_history, self.amp_history)
-        self.observation = select(mask, sight.observation, self.observation)
-        self.privileged = select(mask, sight.privileged, self.privileged)
+        self.observation = select(mask, observed.observation, self.observation)
+        self.privileged = select(mask, observed.privileged, self.privileged)
 
     def _draw_commands(self) -> None:
         """New commands and skills for the robots whose clock has come round."""
@@ -333,12 +331,13 @@ _STATE = (
 
 
 def _with_history(state: dict[str, Any]) -> dict[str, Any]:
-    """The state as it is saved today; before ``env.transition_ages`` it held each robot's last AMP state alone."""
+    """The state as it is saved today; before ``env.transition_ages`` it held each robot's last AMP state alone, and
+    ``starts_observed`` was called ``starts_sight``."""
     if "amp_state" not in state:
         return state
-    sight = dict(state["starts_sight"])
-    starts = state["starts"] | {"amp_history": sight.pop("amp_state")[:, None]}
-    return state | {"amp_history": state["amp_state"][:, None], "starts": starts, "starts_sight": sight}
+    observed = dict(state.get("starts_observed", state.get("starts_sight")))
+    starts = state["starts"] | {"amp_history": observed.pop("amp_state")[:, None]}
+    return state | {"amp_history": state["amp_state"][:, None], "starts": starts, "starts_observed": observed}
 
 
 def _box(width: int) -> gym.spaces.Box:

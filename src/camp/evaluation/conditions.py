@@ -9,7 +9,7 @@ from typing import Any, Self
 
 import torch
 
-from camp import checks
+from camp.common import checks
 from camp.sim.base import Dynamics
 
 # Key of a condition -> field of Dynamics, filled with the value for every link, joint or axis.

@@ -9,8 +9,8 @@ from typing import Any, cast
 
 from omegaconf import MISSING, DictConfig, OmegaConf
 
-from camp import checks
-from camp.config import without_hydra
+from camp.common import checks
+from camp.config.resolve import without_hydra
 from camp.evaluation.conditions import Condition, check_conditions
 
 PARTS = ("gait", "switching", "tracking", "quality", "style", "robustness")
@@ -70,7 +70,7 @@ class TargetsConfig:
 
     def check(self) -> None:
         for name in ("gait_accuracy", "switches_established", "joint_tracking"):
-            checks.share(f"targets.{name}", getattr(self, name))
+            checks.fraction(f"targets.{name}", getattr(self, name))
         for name in ("falls_per_100_episodes", "linear_error_m_s", "yaw_rate_error_rad_s"):
             checks.not_negative(f"targets.{name}", getattr(self, name))
 

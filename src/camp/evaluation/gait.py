@@ -9,11 +9,11 @@ import numpy as np
 
 from camp.evaluation.reading import FELL, GridReading
 from camp.evaluation.values import by_kind, circular_mean, mean
+from camp.gaits.schedule import nominal_duty, nominal_flight
+from camp.gaits.skills import NO_SKILL, Skill
 from camp.metrics.tracking import FAST_COMMAND_M_S, joint_tracking_accuracy, joint_tracking_of_range
-from camp.motion.clips import Clip
-from camp.motion.gaits import nominal_duty, nominal_flight
-from camp.motion.requests import describe_command
-from camp.motion.skills import NO_SKILL, Skill
+from camp.motion.clips.clip import Clip
+from camp.motion.dataset.requests import describe_command
 
 
 def summarize(reading: GridReading) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from camp.config import Config
+from camp.config.schema import Config
 from camp.evaluation import arrays, gait
 from camp.evaluation.config import EvaluationConfig
 from camp.evaluation.plan import Command, Plan, disturbed_plan, grid_plan, one_per_gait, orders, switching_plan
@@ -20,7 +20,7 @@ from camp.evaluation.style import summarize_style
 from camp.evaluation.switching import find_switches, summarize_switching
 from camp.evaluation.tracking import summarize_tracking
 from camp.evaluation.verdict import judge_targets
-from camp.motion.clips import Clip
+from camp.motion.clips.clip import Clip
 
 
 @dataclass

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from camp.config import RobotConfig
-from camp.constants import constant
+from camp.common.tensors import constant
 from camp.envs.measurement import Measurement
 from camp.robots import go2
+from camp.robots.config import RobotConfig
 from camp.robots.kinematics import foot_velocity
 from camp.sim.base import Dynamics
 

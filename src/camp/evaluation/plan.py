@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 
 from camp.evaluation.conditions import Condition
-from camp.motion.skills import Skill
+from camp.gaits.skills import Skill
 from camp.sim.base import Dynamics
 
 Command = Sequence[float]  # vx, vy in m/s, yaw rate in rad/s

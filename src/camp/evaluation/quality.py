@@ -12,8 +12,8 @@ from camp.metrics.effort import (
     action_rate,
     cost_of_transport,
     foot_slip,
-    share_at_limit,
-    share_near_stop,
+    fraction_at_limit,
+    fraction_near_stop,
     torque_use,
 )
 from camp.robots import go2
@@ -39,9 +39,9 @@ def _averages(reading: GridReading, chosen: np.ndarray, mass: float) -> dict[str
     return {
         "falls_per_minute": float(reading.fallen[chosen].sum() / minutes) if minutes > 0 else None,
         "peak_torque_share": mean(peak),
-        "torque_at_limit_share": mean(share_at_limit(torque, np.array(go2.TORQUE_LIMIT))),
+        "torque_at_limit_share": mean(fraction_at_limit(torque, np.array(go2.TORQUE_LIMIT))),
         "joint_near_stop_share": mean(
-            share_near_stop(
+            fraction_near_stop(
                 recording.joint_position, np.array(go2.JOINT_LOWER), np.array(go2.JOINT_UPPER), STOP_MARGIN_RAD
             )
         ),

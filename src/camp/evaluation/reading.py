@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camp.evaluation.rollout import Recording
+from camp.gaits.skills import Skill, names, performed
 from camp.metrics.gait import GaitMeasurement, measure_gait
 from camp.metrics.tracking import VelocityError, mean_velocity, velocity_error
-from camp.motion.skills import Skill, names, performed
 
 FELL = "fell"
 

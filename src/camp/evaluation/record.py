@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from camp.build import Run
-from camp.config import as_yaml
-from camp.logger import RunIdentity, start_wandb
+from camp.config.resolve import as_yaml
+from camp.runs.wandb_run import RunIdentity, start_wandb
 
 SECTIONS = ("policies", "expert", "switching", "tracking", "quality", "style", "robustness")
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from camp.evaluation.reading import read_grid
 from camp.evaluation.rollout import Recording
-from camp.motion.skills import Skill
+from camp.gaits.skills import Skill
 
 
 def summarize_robustness(

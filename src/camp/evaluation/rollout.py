@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from camp.build import build_env
-from camp.config import Config
+from camp.config.schema import Config
 from camp.envs.measurement import measure
 from camp.envs.observations import noise_width
 from camp.evaluation.physics import MotorLaw, sliding_speed
 from camp.evaluation.plan import Plan
-from camp.motion.clips import Clip
+from camp.motion.clips.clip import Clip
 
 Policy = Callable[[Tensor], Tensor]  # observation (N, O) -> action (N, 12)
 Floats = NDArray[np.floating]
@@ -80,7 +80,7 @@ def evaluation_setting(config: Config, steps: int) -> Config:
     env.episode_s = env.command.period_s = env.command.skill_period_s = env.push.period_s = endless
     env.episode_growth.initial_s = env.hardening.initial = None
     env.noise.enabled = env.randomization.enabled = env.push.enabled = False
-    env.initialization.reference_share = 0.0
+    env.initialization.reference_fraction = 0.0
     env.initialization.joint_position_scale = [1.0, 1.0]
     return setting
 

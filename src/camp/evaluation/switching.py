@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from camp.evaluation.rollout import Recording
 from camp.evaluation.values import by_kind, mean
+from camp.gaits.skills import Skill
 from camp.metrics.effort import torque_use, velocity_jump
 from camp.metrics.gait import label_over_time, switch_time
-from camp.metrics.switching import peak_in_windows, quantile_of_switches, share_within
+from camp.metrics.switching import fraction_within, peak_in_windows, quantile_of_switches
 from camp.metrics.tracking import joint_tracking_accuracy, joint_tracking_of_range
-from camp.motion.skills import Skill
 from camp.robots import go2
 
 WINDOW_S = 0.5  # behind a switch and, for steady walking, before the next one or the end
@@ -78,7 +78,7 @@ def summarize_switching(
             for name in names
         },
         "pairs": {
-            f"{first} to {second}": share_within(
+            f"{first} to {second}": fraction_within(
                 switches.seconds[true & (before == first) & (after == second)], within_s
             )
             for first in names
@@ -94,7 +94,7 @@ def summarize_switching(
 def _timing(seconds: NDArray[np.floating], within_s: float) -> dict[str, Any]:
     return {
         "switches": len(seconds),
-        "established": share_within(seconds, within_s),
+        "established": fraction_within(seconds, within_s),
         "seconds_median": quantile_of_switches(seconds, 0.5),
         "seconds_90_percent": quantile_of_switches(seconds, 0.9),
     }

@@ -85,7 +85,7 @@ def joint_tracking_accuracy(target: Array, actual: Array) -> Array:
 
 
 def joint_tracking_of_range(target: Array, actual: Array) -> Array:
-    """As `joint_tracking_accuracy`, with the error as a share of the motion: max actual - min actual.
+    """As `joint_tracking_accuracy`, with the error as a fraction of the motion: max actual - min actual.
 
     Independent of where an angle's zero lies, hence comparable between joints. The range is the joint's own:
     a policy cannot raise its score by throwing its targets wider, and a joint that rests while its target
@@ -103,8 +103,8 @@ def by_joint_kind(value: Array) -> dict[str, Array]:
 def _accuracy(target: Array, actual: Array, scale: Array) -> Array:
     """1 - mean error over time / scale, (..., T, J) and (..., J) -> (..., J); 1 without any error."""
     error = np.abs(np.asarray(target, dtype=np.float64) - np.asarray(actual, dtype=np.float64)).mean(axis=-2)
-    share = np.divide(error, scale, out=np.where(error > 0, np.inf, 0.0), where=scale > 0)
-    return np.maximum(1.0 - share, 0.0)
+    fraction = np.divide(error, scale, out=np.where(error > 0, np.inf, 0.0), where=scale > 0)
+    return np.maximum(1.0 - fraction, 0.0)
 
 
 def _by_bin(size: Array, error: VelocityError, edges: tuple[float, ...], unit: str) -> dict[str, VelocityError]:
