@@ -88,6 +88,16 @@ class Config:
             list(self.robot.kp),
             "the expert's targets are made for the gains of robot=go2; use those, or run=scratch",
         )
+        for key, wanted in (
+            ("env.episode_growth.by_skill", self.env.episode_growth.by_skill),
+            ("env.command.skill_focus", self.env.command.skill_focus is not None),
+        ):
+            checks.require(
+                self.algo.skill.enabled or not wanted,
+                key,
+                wanted,
+                "leave it out without a skill discriminator (algo.skill.enabled=false), which measures success",
+            )
         samples = self.run.rollout_steps * self.sim.num_envs
         checks.require(
             samples >= self.algo.ppo.minibatches,

@@ -35,6 +35,8 @@ class CommandConfig:
     zero_fraction: float = MISSING  # probability that the whole command is zero
     period_s: float = MISSING  # a new command this often, counted from an episode's start
     skill_period_s: float = MISSING  # a new skill this often, likewise
+    # null: every draw is uniform. A number: draws that share time equally (0) or in proportion to failure (1).
+    skill_focus: float | None = None
 
     def check(self) -> None:
         for name in ("vx_m_s", "vy_m_s", "yaw_rate_rad_s"):
@@ -43,6 +45,8 @@ class CommandConfig:
         checks.fraction("env.command.zero_fraction", self.zero_fraction)
         checks.positive("env.command.period_s", self.period_s)
         checks.positive("env.command.skill_period_s", self.skill_period_s)
+        if self.skill_focus is not None:
+            checks.fraction("env.command.skill_focus", self.skill_focus)
 
 
 @dataclass
@@ -132,8 +136,24 @@ class EpisodeGrowthConfig:
 
     initial_s: float | None = None  # length of the first episodes; null: ``env.episode_s`` from the start
     doubling_s: float = 28.8  # the length doubles whenever every robot has been simulated for this long
+    by_skill: bool = False  # each skill's length grows by its own success (`camp.training.skill_curriculum`)
+    success_up: float = 0.7  # of a skill's stretches: its episodes grow at or above, ...
+    success_down: float = 0.4  # ... and shrink below
 
     def check(self) -> None:
+        checks.require(
+            self.initial_s is not None or not self.by_skill,
+            "env.episode_growth.by_skill",
+            self.by_skill,
+            "set env.episode_growth.initial_s, the length that each skill begins with",
+        )
+        checks.fraction("env.episode_growth.success_up", self.success_up)
+        checks.require(
+            0.0 <= self.success_down <= self.success_up,
+            "env.episode_growth.success_down",
+            self.success_down,
+            f"choose a fraction within 0 .. success_up ({self.success_up})",
+        )
         checks.positive("env.episode_growth.doubling_s", self.doubling_s)
 
 

@@ -20,6 +20,7 @@ from camp.envs.config import EnvConfig
 from camp.envs.measurement import AMP_STATE_SIZE, Measurement, measure
 from camp.envs.randomization import randomization_at, sample_dynamics
 from camp.envs.rewards import averaged, mix_rewards, task_rewards
+from camp.envs.skill_schedule import SkillSchedule
 from camp.envs.starts import Starts, draw_starts
 from camp.envs.terminations import failed
 from camp.motion.clips.sampler import ReferenceStates
@@ -82,6 +83,7 @@ class QuadrupedEnv(VectorEnv):
         self.num_steps = 0  # control steps of each robot since construction
         initial = config.hardening.initial
         self.difficulty = 1.0 if initial is None else initial  # share of noise, randomization and pushes
+        self.skill_schedule: SkillSchedule | None = None  # None: all skills alike, as configured
         self._steps_to_draw = 0  # control steps until new starts are drawn
         num, device = self.num_envs, self._device
         self.step_count = torch.zeros(num, dtype=torch.int64, device=device)  # control steps into the episode
@@ -111,9 +113,8 @@ class QuadrupedEnv(VectorEnv):
         self._begin(torch.ones(self.num_envs, dtype=torch.bool, device=self._device))
         self._steps_to_draw = 0
         if options.get("stagger", True):
-            self.step_count = torch.randint(
-                self._episode_steps(), (self.num_envs,), generator=self._generator, device=self._device
-            )
+            shortest = int(torch.as_tensor(self._episode_steps()).min())
+            self.step_count = torch.randint(shortest, (self.num_envs,), generator=self._generator, device=self._device)
         return self.observation, {"privileged": self.privileged}
 
     def step(self, actions: Tensor) -> tuple[Tensor, Tensor, Tensor, Tensor, dict[str, Any]]:
@@ -192,6 +193,7 @@ class QuadrupedEnv(VectorEnv):
         state["steps_to_draw"] = self._steps_to_draw
         state["num_steps"] = self.num_steps
         state["difficulty"] = self.difficulty
+        state["skill_schedule"] = None if self.skill_schedule is None else self.skill_schedule.state_dict()
         state["generator"] = generator_state(self._generator)
         state["sim"] = self.sim.state_dict()
         return state
@@ -207,6 +209,8 @@ class QuadrupedEnv(VectorEnv):
         self._steps_to_draw = state["steps_to_draw"]
         self.num_steps = state.get("num_steps", 0)  # before env.episode_growth nobody counted
         self.difficulty = state.get("difficulty", 1.0)  # before env.hardening there was none
+        schedule = state.get("skill_schedule")
+        self.skill_schedule = None if schedule is None else SkillSchedule.from_state_dict(schedule, self._device)
         restore_generator(self._generator, generator)
         self.sim.prepare(self.dynamics)
         self.sim.reset(torch.ones_like(self.step_count, dtype=torch.bool), self._starts.initial)
@@ -221,9 +225,11 @@ class QuadrupedEnv(VectorEnv):
         """(N, S) what the discriminators see of every robot now."""
         return self.amp_history[:, -1]
 
-    def _episode_steps(self) -> int:
-        """Control steps until an episode is truncated now; grows with ``env.episode_growth``."""
+    def _episode_steps(self) -> int | Tensor:
+        """Control steps until an episode is truncated now, of all robots or (N,); grows with ``env.episode_growth``."""
         growth, longest = self.config.episode_growth, self.config.episode_s
+        if growth.by_skill and self.skill_schedule is not None:
+            return self.skill_schedule.episode_steps(self.skill, self.sim.control_period)
         if growth.initial_s is None:
             return self._steps(longest)
         doublings = self.num_steps * self.sim.control_period / growth.doubling_s
@@ -237,7 +243,8 @@ class QuadrupedEnv(VectorEnv):
         if dynamics is None:
             ranges = randomization_at(self.difficulty, self.config.randomization)
             dynamics = sample_dynamics(self.num_envs, ranges, self._generator)
-        starts = draw_starts(self.num_envs, self.config, self.references, self._generator, dynamics)
+        skill = sample_skills(self.num_envs, self.num_skills, self._generator, self.skill_schedule)
+        starts = draw_starts(self.config, self.references, self._generator, dynamics, skill)
         measurement = measure(starts.initial.robot_state())
         self.sim.prepare(starts.dynamics)
         self._starts = starts
@@ -270,7 +277,7 @@ class QuadrupedEnv(VectorEnv):
         """New commands and skills for the robots whose clock has come round."""
         config = self.config.command
         new_command = sample_commands(self.num_envs, config, self._generator)
-        new_skill = sample_skills(self.num_envs, self.num_skills, self._generator)
+        new_skill = sample_skills(self.num_envs, self.num_skills, self._generator, self.skill_schedule)
         command_due = self.step_count % self._steps(config.period_s) == 0
         skill_due = self.step_count % self._steps(config.skill_period_s) == 0
         self.command = torch.where(command_due[:, None], new_command, self.command)

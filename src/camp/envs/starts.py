@@ -10,7 +10,7 @@ from torch import Tensor
 
 from camp.common.tensors import constant
 from camp.envs import initialization
-from camp.envs.commands import sample_commands, sample_skills, uniform
+from camp.envs.commands import sample_commands, uniform
 from camp.envs.config import EnvConfig
 from camp.envs.measurement import measure
 from camp.motion.clips.sampler import ReferenceStates
@@ -40,16 +40,15 @@ class Starts:
 
 
 def draw_starts(
-    num: int,
     config: EnvConfig,
     references: ReferenceStates,
     generator: torch.Generator,
     dynamics: Dynamics,
+    skill: Tensor,
 ) -> Starts:
-    """``num`` beginnings of robots with these ``dynamics``: a skill, and a frame of one of its clips or a standing
-    start."""
-    init = config.initialization
-    skill = sample_skills(num, references.num_skills, generator)
+    """Beginnings of N robots with these ``dynamics`` and labels (N,): a frame of one of the skill's clips, or a
+    standing start."""
+    init, num = config.initialization, len(skill)
     reference = references.sample(skill, generator)
     at_reference = uniform((0.0, 1.0), (num,), generator) < init.reference_fraction
     initial = initialization.merge(

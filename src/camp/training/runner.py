@@ -29,6 +29,7 @@ from camp.training.gait_monitor import GaitMonitor
 from camp.training.hardening import next_difficulty
 from camp.training.patience import build_patience
 from camp.training.progress import Progress
+from camp.training.skill_curriculum import build_skill_curriculum
 
 
 class Runner:
@@ -49,6 +50,7 @@ class Runner:
         )
         self.alarms = AlarmMonitor(alarms_of(config))
         self.collector = Collector(env, training.ppo, self.monitor, training.device, build_patience(training, config))
+        self.skill_curriculum = build_skill_curriculum(training, config)
         self.iteration = 0  # completed ones
 
     def start(self) -> None:
@@ -116,6 +118,8 @@ class Runner:
         metrics["env/diverged"] = float(distributed.total(torch.tensor(metrics["env/diverged"])))
         metrics |= self.alarms.update(metrics)
         metrics["env/difficulty"] = training.env.difficulty
+        if self.skill_curriculum is not None:
+            metrics |= self.skill_curriculum.update(rollout)
         readings = self._readings(rollout) if self.iteration % run.gait_every == 0 else {}
         hardening = self.config.env.hardening
         training.env.difficulty = next_difficulty(training.env.difficulty, metrics | readings, hardening)
@@ -151,6 +155,7 @@ class Runner:
             "env": training.env.state_dict(),
             "monitor": self.monitor.state_dict(),
             "collector": self.collector.state_dict(),
+            "skill_curriculum": None if self.skill_curriculum is None else self.skill_curriculum.state_dict(),
             "generators": {name: generator_state(g) for name, g in training.generators.items()},
             "global_random_state": global_state(),
         }
@@ -167,6 +172,8 @@ class Runner:
             prior.load_memory(own["memories"][prior.name])
         training.env.load_state_dict(own["env"])
         self.monitor.load_state_dict(own["monitor"])
+        if self.skill_curriculum is not None:
+            self.skill_curriculum.load_state_dict(own["skill_curriculum"])
         self.collector.load_state_dict(own.get("collector", {}))  # before `algo.skill.patience_s` there was none
         for name, generator in training.generators.items():
             restore_generator(generator, own["generators"][name])
