@@ -54,7 +54,7 @@ def busy(config: Config) -> Config:
     config.algo.style.replay_size = 500
     config.env.transition_ages = [3, 1, 0]
     config.algo.skill.patience_s = 0.1
-    config.env.episode_growth.by_skill, config.env.command.skill_focus = True, 0.5
+    config.env.episode_growth.by_skill_from_s, config.env.command.skill_focus = 0.15, 0.5
     config.env.episode_growth.initial_s, config.env.episode_growth.doubling_s = 0.1, 2.0
     config.run.iterations, config.run.checkpoint_every = 6, 3
     return config

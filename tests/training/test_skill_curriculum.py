@@ -38,7 +38,7 @@ class Reader:
 
 @pytest.fixture
 def curriculum(config: Config) -> SkillCurriculum:
-    config.env.episode_growth.initial_s, config.env.episode_growth.by_skill = 0.4, True
+    config.env.episode_growth.initial_s = config.env.episode_growth.by_skill_from_s = 0.4
     config.env.episode_s, config.env.command.skill_focus = 1.0, 0.0
     env = SimpleNamespace(sim=SimpleNamespace(device=torch.device("cpu")), skill_schedule=None)
     return SkillCurriculum(Reader(), SimpleNamespace(env=env), config)  # type: ignore[arg-type]
@@ -81,6 +81,21 @@ def test_episodes_grow_with_success_and_shrink_without(curriculum):
     assert env.skill_schedule.episode_s.tolist() == pytest.approx([1.0, 0.4, 0.4, 0.4])
 
 
+def test_until_then_all_episodes_grow_alike(curriculum):
+    growth, env = curriculum._growth, curriculum._env
+    growth.by_skill_from_s = 0.5
+    lost = rollout([[0, 1, 2, 3]], [[1, 0, 0, 0]], truncated=[(0, 0), (0, 1), (0, 2), (0, 3)])
+    while env.skill_schedule.episode_s.max() < 0.5:
+        before = env.skill_schedule.episode_s.clone()
+        curriculum.update(lost)
+        torch.testing.assert_close(env.skill_schedule.episode_s, before * 2**curriculum._doublings)
+    curriculum.update(lost)
+    assert (env.skill_schedule.episode_s < before).all()
+    for _ in range(100):
+        curriculum.update(lost)
+    assert env.skill_schedule.episode_s.tolist() == pytest.approx([0.4] * 4)
+
+
 def test_time_is_wanted_equally_or_by_failure():
     success = torch.tensor([0.0, 0.5, 1.0, 1.0])
     assert _shares(success, 0.0).tolist() == [0.25] * 4
@@ -108,7 +123,7 @@ def test_a_schedule_draws_by_weight_and_measures_in_steps():
 
 
 def test_the_environment_truncates_each_skill_at_its_own_time(config, clips):
-    config.env.episode_growth.initial_s, config.env.episode_growth.by_skill = 0.2, True
+    config.env.episode_growth.initial_s = config.env.episode_growth.by_skill_from_s = 0.2
     env = build_env(config, clips)
     env.skill_schedule = SkillSchedule.uniform(4, 0.2, env.sim.device)
     env.skill_schedule.episode_s[1] = 0.1
@@ -133,7 +148,7 @@ def test_nothing_is_built_where_all_skills_are_alike(config):
 @pytest.mark.parametrize(
     ("overrides", "key"),
     [
-        (["env.episode_growth.by_skill=true"], r"env\.episode_growth\.by_skill"),
+        (["env.episode_growth.by_skill_from_s=1"], r"env\.episode_growth\.by_skill_from_s"),
         (["env.command.skill_focus=1.5"], r"env\.command\.skill_focus"),
         (["env.command.skill_focus=0.5", "algo.skill.enabled=false"], r"env\.command\.skill_focus"),
         (["env.episode_growth.success_down=0.9"], r"env\.episode_growth\.success_down"),

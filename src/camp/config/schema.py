@@ -89,7 +89,7 @@ class Config:
             "the expert's targets are made for the gains of robot=go2; use those, or run=scratch",
         )
         for key, wanted in (
-            ("env.episode_growth.by_skill", self.env.episode_growth.by_skill),
+            ("env.episode_growth.by_skill_from_s", self.env.episode_growth.by_skill_from_s is not None),
             ("env.command.skill_focus", self.env.command.skill_focus is not None),
         ):
             checks.require(

@@ -136,16 +136,18 @@ class EpisodeGrowthConfig:
 
     initial_s: float | None = None  # length of the first episodes; null: ``env.episode_s`` from the start
     doubling_s: float = 28.8  # the length doubles whenever every robot has been simulated for this long
-    by_skill: bool = False  # each skill's length grows by its own success (`camp.training.skill_curriculum`)
+    # Once the length has grown to this many s, each skill's own success decides about its episodes, as
+    # `camp.training.skill_curriculum` says; null: never.
+    by_skill_from_s: float | None = None
     success_up: float = 0.7  # of a skill's stretches: its episodes grow at or above, ...
     success_down: float = 0.4  # ... and shrink below
 
     def check(self) -> None:
         checks.require(
-            self.initial_s is not None or not self.by_skill,
-            "env.episode_growth.by_skill",
-            self.by_skill,
-            "set env.episode_growth.initial_s, the length that each skill begins with",
+            self.by_skill_from_s is None or (self.initial_s is not None and self.by_skill_from_s >= self.initial_s),
+            "env.episode_growth.by_skill_from_s",
+            self.by_skill_from_s,
+            f"choose null, or at least env.episode_growth.initial_s ({self.initial_s}), the length that grows",
         )
         checks.fraction("env.episode_growth.success_up", self.success_up)
         checks.require(

@@ -228,7 +228,7 @@ class QuadrupedEnv(VectorEnv):
     def _episode_steps(self) -> int | Tensor:
         """Control steps until an episode is truncated now, of all robots or (N,); grows with ``env.episode_growth``."""
         growth, longest = self.config.episode_growth, self.config.episode_s
-        if growth.by_skill and self.skill_schedule is not None:
+        if growth.by_skill_from_s is not None and self.skill_schedule is not None:
             return self.skill_schedule.episode_steps(self.skill, self.sim.control_period)
         if growth.initial_s is None:
             return self._steps(longest)

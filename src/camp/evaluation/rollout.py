@@ -79,7 +79,7 @@ def evaluation_setting(config: Config, steps: int) -> Config:
     env = setting.env
     env.episode_s = env.command.period_s = env.command.skill_period_s = env.push.period_s = endless
     env.episode_growth.initial_s = env.hardening.initial = None
-    env.episode_growth.by_skill = False
+    env.episode_growth.by_skill_from_s = None
     env.noise.enabled = env.randomization.enabled = env.push.enabled = False
     env.initialization.reference_fraction = 0.0
     env.initialization.joint_position_scale = [1.0, 1.0]

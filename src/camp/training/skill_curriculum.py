@@ -26,8 +26,9 @@ class SkillCurriculum:
     """Sets the environment's `SkillSchedule` from what robots show when their time under a skill is up.
 
     A stretch ends by a time-out, a fall or a new skill; it has succeeded where its last motion is taken for the
-    commanded skill's by the skill discriminator. Episodes of a skill grow while its stretches succeed and shrink
-    where they do not (``env.episode_growth.by_skill``). Short episodes make a skill rare, so it is drawn the more
+    commanded skill's by the skill discriminator. All skills' episodes grow alike until they last
+    ``env.episode_growth.by_skill_from_s``; from then on a skill's grow while its stretches succeed and shrink while
+    they do not. Short episodes make a skill rare, so it is drawn the more
     often, until time is shared equally, or by failure as far as ``env.command.skill_focus`` says.
     """
 
@@ -39,6 +40,7 @@ class SkillCurriculum:
         num, device = len(self._names), prior.embedding.weight.device
         self._ended = torch.zeros(num, device=device)  # stretches, the last iterations' mostly
         self._shown = torch.zeros(num, device=device)  # of them, those that succeeded
+        self._apart = False  # whether each skill's success decides about its episodes
         begin = self._growth.initial_s or self._longest_s
         self._env.skill_schedule = SkillSchedule.uniform(num, begin, self._env.sim.device)
 
@@ -50,8 +52,7 @@ class SkillCurriculum:
         self._ended = MEMORY * self._ended + distributed.total(ended)
         self._shown = MEMORY * self._shown + distributed.total(shown)
         success = self._shown / self._ended.clamp(min=1.0)
-        if self._growth.by_skill:
-            schedule.episode_s = self._grown(schedule.episode_s, success.to(schedule.episode_s.device))
+        schedule.episode_s = self._grown(schedule.episode_s, success.to(schedule.episode_s.device))
         share = distributed.total(rollout.skill.flatten().bincount(minlength=len(success)).float())
         share = share / share.sum()
         if self._focus is not None:
@@ -75,21 +76,25 @@ class SkillCurriculum:
         return skill.bincount(minlength=num).float(), skill[shown].bincount(minlength=num).float()
 
     def _grown(self, episode_s: Tensor, success: Tensor) -> Tensor:
-        up = (success >= self._growth.success_up).float()
-        down = (success < self._growth.success_down).float()
+        if self._growth.by_skill_from_s is None or self._growth.initial_s is None:
+            return episode_s
+        self._apart = self._apart or bool(episode_s.max() >= self._growth.by_skill_from_s)
+        up = (success >= self._growth.success_up).float() if self._apart else torch.ones_like(success)
+        down = (success < self._growth.success_down).float() if self._apart else torch.zeros_like(success)
         factor = torch.exp2(self._doublings * (up - SHRINKING * down))
         return (episode_s * factor).clamp(self._growth.initial_s, self._longest_s)
 
     def state_dict(self) -> dict[str, Any]:
-        return {"ended": self._ended, "shown": self._shown}
+        return {"ended": self._ended, "shown": self._shown, "apart": self._apart}
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
         self._ended, self._shown = (copied(state[name], self._ended.device) for name in ("ended", "shown"))
+        self._apart = state["apart"]
 
 
 def build_skill_curriculum(training: Training, config: Config) -> SkillCurriculum | None:
     """None where all skills are practised alike."""
-    if not config.env.episode_growth.by_skill and config.env.command.skill_focus is None:
+    if config.env.episode_growth.by_skill_from_s is None and config.env.command.skill_focus is None:
         return None
     prior = next(prior for prior in training.priors if isinstance(prior, SkillPrior))
     return SkillCurriculum(prior, training, config)
