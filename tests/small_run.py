@@ -40,7 +40,7 @@ def small_run(folder: Path, overrides: Sequence[str] = ()) -> Path:
     enliven(actor)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "config.yaml").write_text(OmegaConf.to_yaml(as_yaml(config)))
-    save_run_checkpoint(folder, 7, runner.state_dict() | {"iteration": 7}, keep=1)
+    save_run_checkpoint(folder, 7, runner.state().as_dict() | {"iteration": 7}, keep=1)
     training.env.close()
     return folder
 

@@ -68,7 +68,7 @@ def tree(tmp_path, monkeypatch) -> Path:
         path = tmp_path / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(textwrap.dedent(text))
-    monkeypatch.setattr(camp.cli, "config_root", lambda: tmp_path / "conf")
+    monkeypatch.setattr(camp.cli.hydra_main, "config_root", lambda: tmp_path / "conf")
     for module in (camp.config.compose, camp.config.hydra_errors):
         monkeypatch.setattr(module, "ablation_root", lambda: tmp_path / "ablations")
     monkeypatch.delenv("CAMP_DEBUG", raising=False)
@@ -138,21 +138,21 @@ def test_literal_command_in_a_process_of_its_own(tree):
             """
             import sys
             from pathlib import Path
-            import camp.cli
-            import camp.compose
-            from tests.test_cli import Train
+            import camp.cli.hydra_main
+            import camp.config.compose
+            from tests.cli.test_hydra_main import Train
             from hydra.core.config_store import ConfigStore
 
             ConfigStore.instance().store(name="cli_test_schema", node=Train)
             root = Path(__file__).parent
-            camp.cli.config_root = lambda: root / "conf"
+            camp.cli.hydra_main.config_root = lambda: root / "conf"
             camp.config.compose.ablation_root = lambda: root / "ablations"
-            sys.exit(camp.cli.run_hydra("train", lambda config: print(config.algo.name, config.seed)))
+            sys.exit(camp.cli.hydra_main.run_hydra("train", lambda config: print(config.algo.name, config.seed)))
             """
         )
     )
     command = [sys.executable, str(program), "+ablation=no_skill_disc", "-m", "seed=0,1,2"]
-    repository = Path(__file__).parent.parent
+    repository = Path(__file__).parents[2]
     environment = os.environ | {"PYTHONPATH": f"{repository}{os.pathsep}{repository / 'src'}"}
     result = subprocess.run(command, capture_output=True, text=True, env=environment)
     assert (result.returncode, result.stderr) == (0, "")

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import torch
 
-from camp.envs.measurement import measure
-from camp.evaluation.physics import MotorLaw, sliding_speed
+from camp.envs.measurement import measure, sliding_speed
+from camp.evaluation.physics import MotorLaw
 from camp.robots import go2
 from camp.robots.config import RobotConfig
 from camp.sim.base import Dynamics, InitialState

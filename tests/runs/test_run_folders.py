@@ -11,7 +11,7 @@ import pytest
 import torch
 
 from camp.build import load_run
-from camp.common.errors import CampError, CheckpointError, ConfigError
+from camp.common.errors import CampError, CheckpointError, ClipError, ConfigError
 from camp.config.resolve import load_run_config
 from camp.runs.checkpoint import latest_checkpoint, load_checkpoint, save_run_checkpoint
 from tests.small_run import small_run
@@ -91,11 +91,34 @@ def change_checkpoint(run: Path, change: Callable[[dict[str, Any]], Any]) -> str
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda state: {"nothing": 1}, "no entry 'iteration'"),
-        (lambda state: state.update(iteration="seven"), "str"),
-        (lambda state: state.update(ppo=3), "int"),
-        (lambda state: state.update(priors=None), "NoneType"),
-        (lambda state: state["ppo"].update(actor=[1]), "list"),
+        (lambda state: {"nothing": 1}, "no entry ppo"),
+        (lambda state: {key: value for key, value in state.items() if key != "iteration"}, "no entry iteration"),
+        (lambda state: state.update(iteration="seven"), "entry iteration is of type str, not int"),
+        (lambda state: state.update(iteration=None), "entry iteration is of type NoneType"),
+        (lambda state: state.update(iteration=torch.zeros(2)), "entry iteration is of type Tensor"),
+        (lambda state: state.update(iteration=-1), "entry iteration is -1"),
+        (lambda state: state.update(ranks="two"), "entry ranks is of type str, not list"),
+        (lambda state: state.update(ranks=[1]), "entry ranks[0] is of type int, not dict"),
+        (lambda state: state.update(alarms=3), "entry alarms is of type int, not dict"),
+        (lambda state: state.update(ppo=3), "entry ppo is of type int, not dict"),
+        (lambda state: state.update(priors=None), "entry priors is of type NoneType, not dict"),
+        (lambda state: state["ppo"].update(actor=[1]), "entry ppo.actor is of type list, not dict"),
+        (lambda state: state["priors"].update(skill=1), "entry priors.skill is of type int, not dict"),
+    ],
+)
+def test_a_checkpoint_with_entries_of_other_types_names_them(run, change, words):
+    def changed(state):
+        result = change(state)
+        return result if isinstance(result, dict) else None
+
+    name = change_checkpoint(run, changed)
+    line = refusal(run, CheckpointError)
+    assert f"{name}: {words}" in line and "train anew" in line
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
         (lambda state: state["ppo"]["actor"].update({"network.0.weight": "a"}), "network.0.weight"),
         (lambda state: state["ppo"]["actor"].pop("network.0.weight"), "network.0.weight"),
         (lambda state: state["ppo"]["actor"].update({"network.0.weight": torch.zeros(2)}), "size mismatch"),
@@ -121,17 +144,26 @@ def test_a_checkpoint_without_a_state_is_refused(run, content):
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
 @pytest.mark.parametrize(
-    ("network", "find"),
+    ("entry", "find"),
     [
-        ("policy", lambda state: state["ppo"]["actor"]["network.0.bias"]),
-        ("skill discriminator", lambda state: state["priors"]["skill"]["normalizer"]["mean"]),
+        ("ppo.actor.network.0.bias", lambda state: state["ppo"]["actor"]["network.0.bias"]),
+        ("priors.skill.normalizer.mean", lambda state: state["priors"]["skill"]["normalizer"]["mean"]),
     ],
 )
-def test_networks_with_values_that_are_not_finite_are_refused(run, value, network, find):
+def test_networks_with_values_that_are_not_finite_are_refused(run, value, entry, find):
     def spoil(state):
         find(state)[0] = value
 
     name = change_checkpoint(run, spoil)
     line = refusal(run, CheckpointError)
-    assert f"the {network} in {name} holds values that are not finite" in line
-    assert "before it, or train anew" in line
+    assert f"{name}: training had diverged ({entry} is not finite)" in line and "train anew" in line
+
+
+def test_clips_are_loaded_when_they_are_asked_for(run):
+    config = run / "config.yaml"
+    assert "  folder: null\n" in config.read_text()
+    config.write_text(config.read_text().replace("  folder: null\n", "  folder: /gone\n"))
+    loaded = load_run(run)
+    assert torch.isfinite(loaded.actor(torch.zeros(1, 49))).all()
+    with pytest.raises(ClipError, match="/gone"):
+        _ = loaded.clips

@@ -77,11 +77,11 @@ def test_a_resumed_run_goes_on_as_hard(config, tmp_path):
     first, second = (Runner(build_training(config), config, tmp_path) for _ in range(2))
     first.start()
     first.training.env.difficulty = 0.4
-    state = first.state_dict()
-    second.load_state_dict(state)
+    state = first.state()
+    second.restore(state)
     assert second.training.env.difficulty == 0.4
-    del state["ranks"][0]["env"]["difficulty"]  # saved before there was any
-    second.load_state_dict(state)
+    del state.ranks[0]["env"]["difficulty"]  # saved before there was any
+    second.restore(state)
     assert second.training.env.difficulty == 1.0
 
 

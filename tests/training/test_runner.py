@@ -10,10 +10,12 @@ import pytest
 import torch
 
 from camp.build import build_training, load_run
+from camp.common.errors import CheckpointError
 from camp.config.resolve import as_yaml
 from camp.config.schema import Config
-from camp.runs.checkpoint import load_checkpoint
+from camp.runs.checkpoint import list_checkpoints, save_run_checkpoint
 from camp.runs.logger import RunLogger
+from camp.runs.state import TrainingState, load_state
 from camp.runs.wandb_run import RunIdentity
 from camp.training.collector import Collector
 from camp.training.gait_monitor import GaitMonitor
@@ -22,15 +24,15 @@ from camp.training.runner import Runner
 from camp.training.warm_start import keep_imitating
 
 
-def run_for(config: Config, folder: Path, checkpoint: dict | None = None, stop_after: int | None = None) -> Runner:
+def run_for(config: Config, folder: Path, saved: TrainingState | None = None, stop_after: int | None = None) -> Runner:
     training = build_training(config)
     keep_imitating(training, config)
     runner = Runner(training, config, folder)
-    if checkpoint is None:
+    if saved is None:
         runner.start()
     else:
-        runner.load_state_dict(checkpoint)
-    resume_from = None if checkpoint is None else runner.iteration
+        runner.restore(saved)
+    resume_from = None if saved is None else runner.iteration
     with (
         RunLogger(RunIdentity(folder, "test"), config.logger, as_yaml(config), resume_from) as logger,
         Progress(config.run.iterations, 1, stream=io.StringIO()) as progress,
@@ -70,14 +72,48 @@ def test_resumed_run_equals_an_uninterrupted_one(imitating, busy, tmp_path):
         folder.mkdir()
     run_for(busy, straight)
     run_for(busy, broken, stop_after=3)
-    run_for(busy, broken, load_checkpoint(broken))
+    run_for(busy, broken, load_state(broken))
     assert metrics_of(straight) == metrics_of(broken)
     assert (metrics_of(straight)[-1]["ppo/auxiliary_loss"] > 0.0) == imitating
     assert all(sum(row["prior/style/logit_histogram/expert"]) == pytest.approx(1.0) for row in metrics_of(straight))
-    one, other = load_checkpoint(straight), load_checkpoint(broken)
-    assert one["iteration"] == other["iteration"] == 6
-    for name, weights in one["ppo"]["actor"].items():
-        assert torch.equal(weights, other["ppo"]["actor"][name]), name
+    one, other = load_state(straight), load_state(broken)
+    assert one.iteration == other.iteration == 6 and one.best == other.best
+    for name, weights in one.actor.items():
+        assert torch.equal(weights, other.actor[name]), name
+
+
+@pytest.mark.parametrize("spoiled", ["policy", "critic", "style", "skill"])
+def test_a_training_that_diverges_stops_and_keeps_its_good_checkpoints(spoiled, config, tmp_path, monkeypatch):
+    config.run.iterations, config.run.checkpoint_every, config.run.checkpoints_kept = 8, 1, 3
+    iterate = Runner.iterate
+
+    def diverge(runner):
+        metrics = iterate(runner)
+        if runner.iteration == 3:
+            ppo, priors = runner.training.ppo, {prior.name: prior for prior in runner.training.priors}
+            network = {"policy": ppo.actor, "critic": ppo.critic}.get(spoiled) or priors[spoiled].networks()[0]
+            with torch.no_grad():
+                next(network.parameters()).view(-1)[0] = torch.nan
+        return metrics
+
+    monkeypatch.setattr(Runner, "iterate", diverge)
+    with pytest.raises(
+        CheckpointError, match=r"^iteration 3: training has diverged \(.*checkpoint_00000002\.pt"
+    ) as caught:
+        run_for(config, tmp_path)
+    assert "\n" not in str(caught.value)
+    assert [path.name for path in list_checkpoints(tmp_path)] == ["checkpoint_00000001.pt", "checkpoint_00000002.pt"]
+    assert load_state(tmp_path).iteration == 2
+
+
+def test_a_broken_checkpoint_is_not_continued(config, tmp_path):
+    config.run.iterations, config.run.checkpoint_every = 2, 1
+    run_for(config, tmp_path)
+    state = load_state(tmp_path)
+    next(iter(state.actor.values())).view(-1)[0] = torch.nan
+    save_run_checkpoint(tmp_path, 3, state.as_dict(), keep=5)
+    with pytest.raises(CheckpointError, match=r"00000003\.pt: training had diverged.*00000002\.pt"):
+        load_state(tmp_path)
 
 
 def test_looking_more_often_changes_nothing(busy, tmp_path):

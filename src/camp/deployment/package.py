@@ -20,9 +20,10 @@ from camp.config.resolve import as_yaml, load_run_config
 from camp.config.schema import Config
 from camp.deployment.export import metadata
 from camp.deployment.provenance import condensed, describe, provenance, rounded
-from camp.runs.checkpoint import load_checkpoint, save_run_checkpoint
+from camp.runs.checkpoint import save_run_checkpoint
 from camp.runs.folder import ARRAYS, CARD, CONFIG, IMITATION, METADATA, METRICS, REPORT, VERSIONS
 from camp.runs.metrics import read_metrics
+from camp.runs.state import load_state
 
 EVALUATION_FILES = (REPORT, ARRAYS)
 JUDGED = ("policies", "switching", "verdict")  # in the report: what the targets are about, and whether they were met
@@ -37,8 +38,8 @@ def ship_policy(run: Path, folder: Path, minutes: float | None = None) -> Path:
     """
     if folder.exists():
         raise ConfigError(f"policy {folder}: is there already; delete it first, or choose another name")
-    loaded, state = load_run(run), load_checkpoint(run)
-    if "critic" not in state["ppo"]:
+    loaded, state = load_run(run), load_state(run)
+    if state.is_shipped:
         raise ConfigError(f"run folder {run}: is a shipped policy already; copy the folder, or ship the run it is from")
     _check_evaluated(run, loaded.iteration)
     config = _portable(load_run_config(run))
@@ -48,7 +49,7 @@ def ship_policy(run: Path, folder: Path, minutes: float | None = None) -> Path:
     shutil.rmtree(partial, ignore_errors=True)
     try:
         partial.mkdir(parents=True)
-        save_run_checkpoint(partial, loaded.iteration, _networks(state), keep=1)
+        save_run_checkpoint(partial, loaded.iteration, state.shipped().as_dict(), keep=1)
         write_text(partial / CONFIG, OmegaConf.to_yaml(as_yaml(config), resolve=True))
         write_text(partial / METADATA, json.dumps(metadata(config), indent=2) + "\n")
         write_text(partial / VERSIONS, json.dumps(made_by.versions, indent=2) + "\n")
@@ -116,15 +117,6 @@ def _portable(config: Config) -> Config:
     config.motion.folder = config.motion.perturbed_folder = config.resume = None
     config.output_dir = "outputs"
     return config
-
-
-def _networks(state: dict[str, Any]) -> dict[str, Any]:
-    """Of a checkpoint what `camp.build.load_run` reads: the actor, and the skill discriminator where there is one."""
-    priors = {}
-    if "skill" in state["priors"]:
-        skill = state["priors"]["skill"]
-        priors["skill"] = skill | {"optimizer": skill["optimizer"] | {"state": {}}}  # without Adam's moments
-    return {"iteration": state["iteration"], "ppo": {"actor": state["ppo"]["actor"]}, "priors": priors}
 
 
 def _lines(rows: Sequence[dict[str, Any]]) -> str:

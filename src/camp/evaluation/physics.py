@@ -1,4 +1,4 @@
-"""What follows from the robots' state: joint torques, mechanical power, the speed at which feet slide."""
+"""What follows from the robots' state: joint torques."""
 
 from __future__ import annotations
 
@@ -8,10 +8,8 @@ import torch
 from torch import Tensor
 
 from camp.common.tensors import constant
-from camp.envs.measurement import Measurement
 from camp.robots import go2
 from camp.robots.config import RobotConfig
-from camp.robots.kinematics import foot_velocity
 from camp.sim.base import Dynamics
 
 
@@ -37,22 +35,3 @@ class MotorLaw:
         limit = constant(go2.TORQUE_LIMIT, joint_position)
         wanted = self.stiffness * (joint_target - joint_position) - self.damping * joint_velocity
         return torch.clamp(wanted, -limit, limit)
-
-
-def sliding_speed(measurement: Measurement) -> Tensor:
-    """Speed over the ground of the point of each foot's sphere that is lowest, (N, 4) m/s.
-
-    A foot that rolls without sliding has 0, although its centre moves.
-    """
-    omega = measurement.angular_velocity[:, None].expand(-1, go2.NUM_LEGS, -1)  # rad/s, base frame
-    centre = measurement.linear_velocity[:, None] + torch.linalg.cross(omega, measurement.foot_position)
-    centre = centre + foot_velocity(measurement.joint_position, measurement.joint_velocity)
-    hip, thigh, calf = measurement.joint_velocity.unflatten(1, (go2.NUM_LEGS, 3)).unbind(-1)
-    angle = measurement.joint_position[:, 0::3]
-    # The thigh's and the calf's axes lie along y, turned about x by the hip.
-    bend = thigh + calf
-    turning = omega + torch.stack([hip, bend * torch.cos(angle), bend * torch.sin(angle)], dim=-1)
-    lowest = go2.FOOT_RADIUS * measurement.gravity[:, None].expand(-1, go2.NUM_LEGS, -1)
-    velocity = centre + torch.linalg.cross(turning, lowest)
-    down = measurement.gravity[:, None]
-    return (velocity - (velocity * down).sum(dim=-1, keepdim=True) * down).norm(dim=-1)

@@ -13,9 +13,10 @@ from torch import Tensor
 
 from camp.build import build_env
 from camp.config.schema import Config
-from camp.envs.measurement import measure
+from camp.envs.config import EXTERNAL
+from camp.envs.measurement import measure, sliding_speed
 from camp.envs.observations import noise_width
-from camp.evaluation.physics import MotorLaw, sliding_speed
+from camp.evaluation.physics import MotorLaw
 from camp.evaluation.plan import Plan
 from camp.motion.clips.clip import Clip
 
@@ -72,14 +73,14 @@ _KEPT = ("joint_target", "joint_position", "amp_state", "qpos")
 
 
 def evaluation_setting(config: Config, steps: int) -> Config:
-    """The run's configuration on the CPU, with standing starts, and without randomness of its own or a clock."""
+    """The run's configuration on the CPU, with standing starts, without randomness of its own, commanded from outside
+    in episodes that outlast ``steps``."""
     setting = copy.deepcopy(config)
-    endless = 10.0 * steps * config.env.control_period_s
     setting.sim = config.sim.on_cpu()
     env = setting.env
-    env.episode_s = env.command.period_s = env.command.skill_period_s = env.push.period_s = endless
-    env.episode_growth.initial_s = env.hardening.initial = None
-    env.episode_growth.by_skill_from_s = None
+    env.command.source = EXTERNAL
+    env.episode_s = (steps + 1) * env.control_period_s
+    env.episode_growth.initial_s = env.episode_growth.by_skill_from_s = env.hardening.initial = None
     env.noise.enabled = env.randomization.enabled = env.push.enabled = False
     env.initialization.reference_fraction = 0.0
     env.initialization.joint_position_scale = [1.0, 1.0]

@@ -1,4 +1,4 @@
-"""Checkpoints: written whole or not at all, read without executing what they contain.
+"""Checkpoints: written atomically, read without executing code.
 
 A run folder keeps `checkpoints/checkpoint_00000123.pt`, one file per saved iteration; the latest is the one
 with the highest number. A process killed at any moment leaves every finished checkpoint readable.
@@ -6,12 +6,13 @@ with the highest number. A process killed at any moment leaves every finished ch
 
 from __future__ import annotations
 
+import contextlib
 import pickle
 import re
 import textwrap
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -61,13 +62,18 @@ def save_checkpoint(path: Path, state: Mapping[str, Any]) -> Path:
     return path
 
 
-def save_run_checkpoint(run: Path, iteration: int, state: Mapping[str, Any], keep: int) -> Path:
-    """Save `state` as the run's checkpoint of `iteration` and delete all but the last `keep` (at least 1)."""
+def save_run_checkpoint(
+    run: Path, iteration: int, state: Mapping[str, Any], keep: int, best: int | None = None
+) -> Path:
+    """Save `state` as the run's checkpoint of `iteration` and delete all but the last `keep` (at least 1).
+
+    best: an iteration whose checkpoint, this one or an earlier one, is kept besides.
+    """
     path = save_checkpoint(run / CHECKPOINTS / f"checkpoint_{iteration:08d}.pt", state)
     for partial in path.parent.glob(f"*{PARTIAL}"):  # left by a process that was killed while writing
         partial.unlink(missing_ok=True)
     for old in list_checkpoints(run)[: -max(keep, 1)]:
-        if old != path:
+        if old != path and _iteration(old) != best:
             old.unlink(missing_ok=True)
     return path
 
@@ -102,7 +108,8 @@ def load_checkpoint(source: Path, device: torch.device | str = "cpu") -> dict[st
     try:
         return _read(path, device)
     except CheckpointError as error:
-        raise CheckpointError(f"{error}; {_remedy(path)}") from error.__cause__
+        good = next((candidate for candidate, _ in readable_before(path)), None)
+        raise CheckpointError(f"{error}; {remedy(good)}") from error.__cause__
 
 
 def incompatible(run: Path, error: Exception) -> CheckpointError:
@@ -136,17 +143,21 @@ def _read(path: Path, device: torch.device | str) -> dict[str, Any]:
     return content["state"]
 
 
-def _remedy(path: Path) -> str:
-    """What to do instead of reading `path`: the newest readable checkpoint before it, or to start anew."""
-    if _NAME.fullmatch(path.name):
-        siblings = [one for one in list_checkpoints(path.parent.parent) if _iteration(one) < _iteration(path)]
-        for candidate in reversed(siblings):
-            try:
-                _read(candidate, "cpu")
-            except CheckpointError:
-                continue
-            return f"the last good one before it is {candidate}; delete the bad file to continue from there"
-    return "no good one lies before it: copy it again from where it came, or train anew"
+def readable_before(path: Path) -> Iterator[tuple[Path, dict[str, Any]]]:
+    """The run's checkpoints before `path` that can be read, newest first, each with its state on the CPU."""
+    if not _NAME.fullmatch(path.name):
+        return
+    for candidate in reversed(list_checkpoints(path.parent.parent)):
+        if _iteration(candidate) < _iteration(path):
+            with contextlib.suppress(CheckpointError):
+                yield candidate, _read(candidate, "cpu")
+
+
+def remedy(good: Path | None) -> str:
+    """What to do instead of reading a bad checkpoint, where `good` is the last good one before it."""
+    if good is None:
+        return "no good one lies before it: copy it again from where it came, or train anew"
+    return f"the last good one before it is {good}; move the bad file away to continue from there"
 
 
 def _iteration(path: Path) -> int:

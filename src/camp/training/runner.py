@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,9 @@ from camp.gaits.skills import names
 from camp.runs.checkpoint import save_run_checkpoint
 from camp.runs.logger import NoLogger, RunLogger
 from camp.runs.metrics import Metric
+from camp.runs.state import TrainingState, diverged
 from camp.training.alarms import AlarmMonitor, alarms_of
+from camp.training.best import BestCheckpoint
 from camp.training.collector import Collector
 from camp.training.gait_monitor import GaitMonitor
 from camp.training.hardening import next_difficulty
@@ -49,6 +52,7 @@ class Runner:
             env.sim.device,
         )
         self.alarms = AlarmMonitor(alarms_of(config))
+        self.best = BestCheckpoint()
         self.collector = Collector(env, training.ppo, self.monitor, training.device, build_patience(training, config))
         self.skill_curriculum = build_skill_curriculum(training, config)
         self.iteration = 0  # completed ones
@@ -69,6 +73,7 @@ class Runner:
         saved = self.iteration
         while self.iteration < run.iterations and not distributed.anywhere(stopping()):
             metrics = self.iterate()
+            self.best.read(metrics)
             logger.log(self.iteration, metrics)
             progress.update(self.iteration, metrics)
             for line in self.alarms.new():
@@ -114,7 +119,8 @@ class Runner:
 
         self.iteration += 1
         metrics |= self._reward_metrics(terms, rollout)
-        metrics |= {f"reward/{name}/weighted": weights[name] * metrics[f"reward/{name}/raw"] for name in terms}
+        weights |= {name: weights["task"] * weight for name, weight in self.config.env.reward.weights().items()}
+        metrics |= {f"reward/{name}/weighted": weights[name] * metrics[f"reward/{name}/raw"] for name in weights}
         metrics["env/diverged"] = float(distributed.total(torch.tensor(metrics["env/diverged"])))
         metrics |= self.alarms.update(metrics)
         metrics["env/difficulty"] = training.env.difficulty
@@ -133,20 +139,30 @@ class Runner:
         return metrics | readings
 
     def save(self) -> None:
-        """Write a checkpoint of everything a bit-for-bit continuation needs, all ranks' parts in one file."""
-        state = self.state_dict()
-        if distributed.is_first():
-            save_run_checkpoint(self.folder, self.iteration, state, self.config.run.checkpoints_kept)
+        """Write a checkpoint of everything a bit-for-bit continuation needs, all ranks' parts in one file.
 
-    def state_dict(self) -> dict[str, Any]:
+        Raises CheckpointError, and writes and deletes nothing, where the networks are not finite.
+        """
+        state = self.state()
+        entry = state.not_finite()
+        if entry is not None:
+            raise diverged(self.folder, self.iteration, entry)
+        self.best.saved(self.iteration)
+        if distributed.is_first():
+            content = replace(state, best=self.best.state_dict()).as_dict()
+            keep = self.config.run.checkpoints_kept
+            save_run_checkpoint(self.folder, self.iteration, content, keep, self.best.iteration)
+
+    def state(self) -> TrainingState:
         training = self.training
-        return {
-            "iteration": self.iteration,
-            "ppo": training.ppo.state_dict(),
-            "priors": {prior.name: prior.state_dict() for prior in training.priors},
-            "alarms": self.alarms.state_dict(),
-            "ranks": distributed.gather(self._own_state()),
-        }
+        return TrainingState(
+            iteration=self.iteration,
+            ppo=training.ppo.state_dict(),
+            priors={prior.name: prior.state_dict() for prior in training.priors},
+            alarms=self.alarms.state_dict(),
+            best=self.best.state_dict(),
+            ranks=distributed.gather(self._own_state()),
+        )
 
     def _own_state(self) -> dict[str, Any]:
         training = self.training
@@ -160,14 +176,16 @@ class Runner:
             "global_random_state": global_state(),
         }
 
-    def load_state_dict(self, state: dict[str, Any]) -> None:
+    def restore(self, state: TrainingState) -> None:
+        """Continue from a saved state, on this rank with its own part."""
         training = self.training
-        self.iteration = state["iteration"]
-        training.ppo.load_state_dict(state["ppo"])
+        self.iteration = state.iteration
+        training.ppo.load_state_dict(state.ppo)
         for prior in training.priors:
-            prior.load_state_dict(state["priors"][prior.name])
-        self.alarms.load_state_dict(state["alarms"])
-        own = state["ranks"][distributed.rank()]
+            prior.load_state_dict(state.priors[prior.name])
+        self.alarms.load_state_dict(state.alarms)
+        self.best.load_state_dict(state.best)
+        own = state.ranks[distributed.rank()]
         for prior in training.priors:
             prior.load_memory(own["memories"][prior.name])
         training.env.load_state_dict(own["env"])

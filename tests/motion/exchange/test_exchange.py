@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from tests.motion.foreign import FOLDER, imported_folder, kine2go_table, shipped
 
 from camp.build import build_training
 from camp.config.resolve import as_yaml
@@ -23,6 +22,7 @@ from camp.runs.logger import RunLogger
 from camp.runs.wandb_run import RunIdentity
 from camp.training.progress import Progress
 from camp.training.runner import Runner
+from tests.motion.exchange.foreign import FOLDER, imported_folder, kine2go_table, shipped
 
 
 def test_imported_clips_feed_the_samplers(tmp_path: Path) -> None:
