@@ -51,7 +51,7 @@ def accuracy(clips: Sequence[Clip], skills: Sequence[Skill], ages: Sequence[int]
     learned, asked = split(clips, skills)
     scaler = StandardScaler()
     inputs, labels = samples(learned, skills, ages)
-    network = MLPClassifier((64,), batch_size=512, max_iter=6, random_state=seed)
+    network = MLPClassifier((64,), batch_size=512, max_iter=6, random_state=seed)  # pyright: ignore[reportArgumentType]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ConvergenceWarning)  # a few passes are enough, and the same for all
         network.fit(scaler.fit_transform(inputs), labels)
