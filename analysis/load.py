@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zipfile
 import zlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, isfinite
 from pathlib import Path
@@ -19,6 +20,7 @@ from camp.common.histogram import BINS
 from camp.data import Transition
 from camp.gaits.schedule import GAIT_PHASES
 from camp.motion.clips.clip import Clip, amp_state
+from camp.motion.clips.sampler import transitions
 from camp.runs.folder import ARRAYS, METRICS, results_folder
 from camp.runs.metrics import read_metrics
 
@@ -55,7 +57,7 @@ class SwitchingSequence:
 class ClipFeatures:
     """One expert clip of constant command as the skill discriminator sees it.
 
-    command: (3,) vx, vy in m/s, wz in rad/s; feature: (T - 1, Z), z_hat of every transition (paper eq. 5);
+    command: (3,) vx, vy in m/s, wz in rad/s; feature: (T - A, Z), z_hat of every transition (paper eq. 5);
     touchdown: row of the first touchdown of the front left foot, where its strides begin; period_s: s between
     rows.
     """
@@ -150,19 +152,20 @@ def clip_features(run: Run) -> list[ClipFeatures]:
         raise NoLatentSpaceError(
             "the run has no skill discriminator and so no latent space: choose a run trained with one"
         )
-    return [_features(run.skill_prior, clip) for clip in run.clips if clip.is_steady]
+    ages = run.config.env.transition_ages
+    return [_features(run.skill_prior, clip, ages) for clip in run.clips if clip.is_steady]
 
 
-def _features(prior: SkillPrior, clip: Clip) -> ClipFeatures:
+def _features(prior: SkillPrior, clip: Clip, ages: Sequence[int]) -> ClipFeatures:
     state = torch.from_numpy(amp_state(clip)).to(prior.embedding.weight.device)
-    pairs = torch.stack([state[:-1], state[1:]], dim=1)
-    unread = torch.zeros(len(pairs), dtype=torch.int64, device=pairs.device)
+    shown = transitions(state, ages)
+    unread = torch.zeros(len(shown), dtype=torch.int64, device=shown.device)
     return ClipFeatures(
         gait=clip.gait,
         frequency_hz=clip.frequency_hz,
         command=np.asarray(clip.command, dtype=np.float64),
-        feature=prior.predict(Transition(state=pairs, skill=unread)).cpu().numpy(),
-        touchdown=first_touchdown(clip.foot_contact[:, 0]),
+        feature=prior.predict(Transition(state=shown, skill=unread)).cpu().numpy(),
+        touchdown=first_touchdown(clip.foot_contact[ages[0] - 1 :, 0]),
         period_s=clip.dt,
     )
 

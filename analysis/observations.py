@@ -25,7 +25,9 @@ ablation hides it.
 
 {privileged}
 
-## Discriminators: pairs of AMP states, {amp_size} numbers each
+## Discriminators: AMP states, {amp_size} numbers each
+
+Two consecutive ones in the paper; in general those that are `env.transition_ages` control steps old.
 
 {amp}
 """

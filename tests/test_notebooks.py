@@ -32,3 +32,16 @@ def test_tour_runs_and_draws_two_figures():
     assert len(images) == 2
     printed = "".join(o.text for cell in code_cells(notebook) for o in cell.outputs if o.output_type == "stream")
     assert "measured: trot at 2.0" in printed
+
+
+@pytest.mark.slow
+def test_from_scratch_trains_and_draws_what_it_learns():
+    notebook = nbformat.read(FOLDER / "from_scratch.ipynb", as_version=4)
+    parameters = next(cell for cell in code_cells(notebook) if cell.source.startswith("ITERATIONS"))
+    parameters.source = "ITERATIONS, ROBOTS, LOOK_EVERY = 3, 16, 2"
+    NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(FOLDER)}}).execute()
+    images = [o for cell in code_cells(notebook) for o in cell.outputs if "image/png" in o.get("data", {})]
+    assert len(images) == 2 + 2 * 2  # the expert's gaits; the policy's, twice
+    printed = "".join(o.text for cell in code_cells(notebook) for o in cell.outputs if o.output_type == "stream")
+    assert "iteration 2, " in printed and "iteration 3, " in printed
+    assert "commanded bound_3hz: " in printed and "commanded pronk_3hz: " in printed

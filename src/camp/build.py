@@ -122,7 +122,7 @@ def build_env(config: Config, clips: list[Clip], num_envs: int | None = None) ->
         sim,
         config.env,
         config.robot.action_scale,
-        ReferenceStates(clips, config.motion.skill_set(), sim.device),
+        ReferenceStates(clips, config.motion.skill_set(), sim.device, config.env.transition_ages[0]),
         generator(config.seed, distributed.stream("environment"), sim.device),
     )
 
@@ -149,6 +149,7 @@ def build_training(config: Config) -> Training:
             config.motion.num_preloaded,
             generator(config.seed, "preloading"),
             device,
+            config.env.transition_ages,
         ),
         clips=clips,
         generators={name: generator(config.seed, distributed.stream(name), device) for name in _OWN_STREAMS},
@@ -197,7 +198,7 @@ def load_run(folder: Path) -> Run:
         actor.load_state_dict(state.actor)
         if state.skill_prior is not None:
             embedding = SkillEmbedding(len(skills), config.algo.embedding_size, weights)
-            skill_prior = SkillPrior(config.algo.skill, embedding, skills, AMP_STATE_SIZE, weights)
+            skill_prior = SkillPrior(config.algo.skill, embedding, skills, _motion_shape(config), weights)
             skill_prior.load_state_dict(state.skill_prior)
     except INCOMPATIBLE as error:
         raise incompatible(folder, error) from error
@@ -225,10 +226,15 @@ def _observed(config: Config) -> tuple[int, int]:
 
 
 def _build_priors(config: Config, embedding: SkillEmbedding, weights: torch.Generator) -> list[Prior]:
-    algo, skills = config.algo, names(config.motion.skill_set())
+    algo, skills, shape = config.algo, names(config.motion.skill_set()), _motion_shape(config)
     priors: list[Prior] = []
     if algo.style.enabled:
-        priors.append(StylePrior(algo.style, embedding, skills, AMP_STATE_SIZE, weights))
+        priors.append(StylePrior(algo.style, embedding, skills, shape, weights))
     if algo.skill.enabled:
-        priors.append(SkillPrior(algo.skill, embedding, skills, AMP_STATE_SIZE, weights))
+        priors.append(SkillPrior(algo.skill, embedding, skills, shape, weights))
     return priors
+
+
+def _motion_shape(config: Config) -> tuple[int, int]:
+    """(F, S) of a transition."""
+    return len(config.env.transition_ages), AMP_STATE_SIZE

@@ -1,7 +1,7 @@
 """The batches that environment, algorithm and demonstrations exchange, with the shape of every tensor.
 
-Letters: N environments, T time steps, B batch, S AMP state (43), O observation (45 + K), X privileged
-observation, A actions (12), K skills. Units are SI unless a field says otherwise.
+Letters: N environments, T time steps, B batch, F states judged together (2 in the paper), S AMP state (43),
+O observation (45 + K), X privileged observation, A actions (12), K skills. Units are SI unless a field says otherwise.
 """
 
 from __future__ import annotations
@@ -15,9 +15,12 @@ from torch import Tensor
 
 @dataclass
 class Transition:
-    """Pairs of consecutive AMP states (s_t, s_{t+1}) and the skill they belong to: what priors judge."""
+    """AMP states of one motion, oldest first, and the skill they belong to: what priors judge.
 
-    state: Tensor  # (B, 2, S) raw SI units
+    In the paper two consecutive ones (s_t, s_{t+1}); in general those that are ``env.transition_ages`` old.
+    """
+
+    state: Tensor  # (B, F, S) raw SI units
     skill: Tensor  # (B,) int64 label
 
     def __len__(self) -> int:
@@ -48,11 +51,15 @@ class Step:
     task_reward: Tensor  # (N,) weighted sum of the task terms (Table II)
     terminated: Tensor  # (N,) bool: the task failed, no future to bootstrap from
     truncated: Tensor  # (N,) bool: a time-out, the future exists but is not simulated
-    transition: Tensor  # (N, 2, S) s_t, s_{t+1}
+    transition: Tensor  # (N, F, S) the last one at the step's end
     skill: Tensor  # (N,) int64 skill commanded during this step
     command: Tensor  # (N, 3) vx, vy in m/s, yaw rate in rad/s, commanded during this step
     velocity: Tensor  # (N, 3) vx, vy in m/s, yaw rate in rad/s, base frame, reached at its end
     foot_contact: Tensor  # (N, 4) bool at its end
+
+    def motion(self) -> Transition:
+        """What the robots did and should have done, as the priors judge it."""
+        return Transition(self.transition, self.skill)
 
 
 class Decision(NamedTuple):
@@ -80,7 +87,7 @@ class Rollout:
     task_reward: Tensor  # (T, N)
     terminated: Tensor  # (T, N) bool
     truncated: Tensor  # (T, N) bool
-    transition: Tensor  # (T, N, 2, S)
+    transition: Tensor  # (T, N, F, S)
     skill: Tensor  # (T, N) int64
 
     def transitions(self) -> Transition:

@@ -76,13 +76,13 @@ def ppo_config(**changes: object) -> PPOConfig:
 def make_style(seed: int = 0, **changes: object) -> StylePrior:
     generator = rng(seed)
     embedding = SkillEmbedding(len(SKILLS), 8, generator)
-    return StylePrior(style_config(**changes), embedding, SKILLS, STATE_SIZE, generator)
+    return StylePrior(style_config(**changes), embedding, SKILLS, (2, STATE_SIZE), generator)
 
 
 def make_skill(seed: int = 0, **changes: object) -> SkillPrior:
     generator = rng(seed)
     embedding = SkillEmbedding(len(SKILLS), 8, generator)
-    return SkillPrior(skill_config(**changes), embedding, SKILLS, STATE_SIZE, generator)
+    return SkillPrior(skill_config(**changes), embedding, SKILLS, (2, STATE_SIZE), generator)
 
 
 def make_ppo(

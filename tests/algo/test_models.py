@@ -23,8 +23,8 @@ def test_shipped_sizes_are_those_of_table_three():
     config = shipped_config()
     actor = GaussianActor(49, 12, config.actor, rng())
     critic = Critic(49 + 30, config.critic, rng())
-    style = ConditionalDiscriminator(43, config.embedding_size, config.style.hidden, rng())
-    skill = SkillDiscriminator(43, config.embedding_size, config.skill.hidden, rng())
+    style = ConditionalDiscriminator(86, config.embedding_size, config.style.hidden, rng())
+    skill = SkillDiscriminator(86, config.embedding_size, config.skill.hidden, rng())
 
     def widths(module: torch.nn.Module) -> list[int]:
         return [m.out_features for m in module.modules() if isinstance(m, torch.nn.Linear)]

@@ -23,7 +23,7 @@ def kept(buffer: ReplayBuffer) -> set[int]:
 
 
 def test_oldest_transitions_leave_first():
-    buffer = ReplayBuffer(5, 3, torch.device("cpu"))
+    buffer = ReplayBuffer(5, (2, 3), torch.device("cpu"))
     buffer.add(numbered(0, 3))
     assert len(buffer) == 3 and kept(buffer) == {0, 1, 2}
     buffer.add(numbered(3, 4))
@@ -31,15 +31,15 @@ def test_oldest_transitions_leave_first():
 
 
 def test_more_than_fits_keeps_the_last():
-    buffer = ReplayBuffer(5, 3, torch.device("cpu"))
+    buffer = ReplayBuffer(5, (2, 3), torch.device("cpu"))
     buffer.add(numbered(0, 12))
     assert kept(buffer) == {7, 8, 9, 10, 11}
 
 
 def test_restored_buffer_continues_where_it_was():
-    buffer = ReplayBuffer(5, 3, torch.device("cpu"))
+    buffer = ReplayBuffer(5, (2, 3), torch.device("cpu"))
     buffer.add(numbered(0, 3))
-    restored = ReplayBuffer(5, 3, torch.device("cpu"))
+    restored = ReplayBuffer(5, (2, 3), torch.device("cpu"))
     restored.load_state_dict(copy.deepcopy(buffer.state_dict()))
     for ring in (buffer, restored):
         ring.add(numbered(3, 4))

@@ -170,7 +170,7 @@ def test_restored_prior_continues_bit_for_bit():
 
 def test_mismatch_needs_a_second_skill():
     with pytest.raises(ConfigError, match="mismatch_fraction"):
-        StylePrior(style_config(mismatch_fraction=0.5), SkillEmbedding(1, 8, rng()), ("trot",), STATE_SIZE, rng())
+        StylePrior(style_config(mismatch_fraction=0.5), SkillEmbedding(1, 8, rng()), ("trot",), (2, STATE_SIZE), rng())
 
 
 def test_embedding_similarity_is_the_largest_cosine_between_skills():

@@ -25,6 +25,7 @@ from analysis.load import (
 from camp.algo.models import SkillEmbedding
 from camp.algo.skill import SkillPrior
 from camp.common.errors import CampError
+from camp.config.compose import compose_config
 from camp.data import Transition
 from camp.gaits.schedule import GaitSchedule
 from camp.motion.clips.clip import Clip, amp_state
@@ -60,8 +61,8 @@ def expert_clip(steps: int) -> Clip:
 
 
 def run_with(prior: SkillPrior | None, clips: list[Clip]) -> Any:
-    """The two fields of a trained run that the figures read."""
-    return SimpleNamespace(skill_prior=prior, clips=clips)
+    """What the figures read of a trained run."""
+    return SimpleNamespace(skill_prior=prior, clips=clips, config=compose_config([]))
 
 
 def test_switching_sequence_arrives_whole(tmp_path):
@@ -131,7 +132,7 @@ class TestClipFeatures:
     @pytest.fixture
     def prior(self):
         weights = torch.Generator().manual_seed(0)
-        return SkillPrior(shipped_config().skill, SkillEmbedding(4, 8, weights), ("trot",) * 4, 43, weights)
+        return SkillPrior(shipped_config().skill, SkillEmbedding(4, 8, weights), ("trot",) * 4, (2, 43), weights)
 
     def test_one_latent_vector_per_transition(self, prior):
         clip = expert_clip(steps=60)

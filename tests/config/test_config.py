@@ -168,3 +168,21 @@ def test_unknown_device_is_an_error():
 def test_resolving_a_resolved_configuration_changes_nothing():
     config = compose_config(["run=smoke"])
     assert resolve(OmegaConf.create(OmegaConf.to_yaml(OmegaConf.structured(config)))) == config
+
+
+def test_the_gpu_preset_is_the_recipe_from_scratch_at_four_times_the_robots():
+    small, large = compose_config(["run=scratch", "sim=cpu"]), compose_config(["run=gpu", "sim=cpu"])
+    factor = large.sim.num_envs / small.sim.num_envs
+    assert factor == 4.0
+    for name in ("style", "skill"):
+        own, other = getattr(small.algo, name), getattr(large.algo, name)
+        assert other.batch_size == factor * own.batch_size
+        own.batch_size = other.batch_size
+    assert large.algo == small.algo and large.env == small.env and large.motion == small.motion
+
+
+def test_the_papers_preset_takes_nothing_from_the_recipe():
+    paper = compose_config(["run=paper", "sim=cpu"])
+    assert paper.env.transition_ages == [1, 0] and paper.algo.skill.patience_s is None
+    assert paper.env.episode_growth.initial_s is None and paper.env.hardening.initial is None
+    assert paper.algo.style.hidden == [1024, 512] and paper.algo.actor.hidden == [512, 256, 128]

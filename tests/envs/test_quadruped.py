@@ -9,6 +9,7 @@ import pytest
 import torch
 
 from camp.build import build_env
+from camp.common.errors import ConfigError
 from camp.config.schema import Config
 from camp.envs.commands import sample_commands
 from camp.envs.config import EXTERNAL
@@ -99,6 +100,52 @@ def test_transitions_and_final_observations_are_taken_before_the_reset(config, c
     assert (env.step_count == 0).all()
     begin = env.amp_state.clone()
     torch.testing.assert_close(env.advance(ZERO).transition[:, 0], begin)
+
+
+def test_transitions_hold_states_of_the_configured_ages(config, clips):
+    config.env.transition_ages = [5, 2, 0]
+    env = make(config, clips)
+    seen = list(env.amp_history.unbind(dim=1))
+    assert len(seen) == 5
+    for _ in range(8):
+        step = env.advance(ZERO)
+        seen.append(step.transition[:, -1])
+        on = ~(step.terminated | step.truncated)
+        torch.testing.assert_close(step.transition[on], torch.stack([seen[-6], seen[-3], seen[-1]], dim=1)[on])
+        if not on.all():
+            break
+
+
+def test_an_episode_begins_with_its_clips_past_or_with_having_stood(config, clips):
+    config.env.transition_ages = [4, 0]
+    config.env.initialization.reference_fraction = 1.0
+    env = make(config, clips)
+    states = [amp_state(clip) for clip in clips]
+    windows = np.concatenate([np.stack([s[i : len(s) - 3 + i] for i in range(4)], axis=1) for s in states])
+    for robot in range(8):
+        assert np.abs(windows - env.amp_history[robot].numpy()).max(axis=(1, 2)).min() < 1e-4
+    config.env.initialization.reference_fraction = 0.0
+    standing = make(config, clips).amp_history
+    assert torch.equal(standing, standing[:, -1:].expand(-1, 4, -1)) and (standing[..., 12:24] == 0).all()
+
+
+def test_an_old_state_continues(config, clips):
+    straight, resumed = make(config, clips), make(config, clips)
+    state = straight.state_dict()
+    state["amp_state"] = state.pop("amp_history")[:, -1]
+    state["starts"] = {name: value for name, value in state["starts"].items() if name != "amp_history"}
+    del state["num_steps"], state["difficulty"]
+    state["starts_sight"] = state.pop("starts_observed") | {"amp_state": straight._starts.amp_history[:, -1]}
+    resumed.load_state_dict(state)
+    for _ in range(25):
+        assert torch.equal(straight.advance(ZERO).transition, resumed.advance(ZERO).transition)
+
+
+@pytest.mark.parametrize("ages", [[0], [1], [0, 1], [2, 2, 0], []])
+def test_ages_that_are_no_order_are_refused(config, ages):
+    config.env.transition_ages = ages
+    with pytest.raises(ConfigError, match=r"env\.transition_ages"):
+        config.env.check()
 
 
 def test_falling_over_terminates_without_truncating(config, clips):

@@ -54,6 +54,10 @@ def busy(config: Config) -> Config:
     config.env.episode_s = 0.4
     config.env.command.skill_period_s = 0.2
     config.algo.style.replay_size = 500
+    config.env.transition_ages = [3, 1, 0]
+    config.algo.skill.patience_s = 0.1
+    config.env.episode_growth.by_skill_from_s, config.env.command.skill_focus = 0.15, 0.5
+    config.env.episode_growth.initial_s, config.env.episode_growth.doubling_s = 0.1, 2.0
     config.run.iterations, config.run.checkpoint_every = 6, 3
     return config
 
@@ -191,8 +195,8 @@ def test_time_outs_are_bootstrapped_with_the_final_observation(config):
     finals = []
     advance = training.env.advance
 
-    def spy(action):
-        step = advance(action)
+    def spy(action, give_up):
+        step = advance(action, give_up)
         finals.append((step.final_observation.clone(), step.final_privileged.clone()))
         return step
 

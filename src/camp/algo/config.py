@@ -137,6 +137,7 @@ class SkillConfig:
     updates: int = MISSING  # steps per iteration
     batch_size: int = MISSING  # expert transitions per step
     gradient_penalty: float = MISSING  # lambda of eq. (8)
+    patience_s: float | None = None  # s of another skill's motion after which an episode ends; null: no matter
 
     def check(self) -> None:
         checks.not_negative("algo.skill.weight", self.weight)
@@ -145,6 +146,14 @@ class SkillConfig:
         checks.count("algo.skill.updates", self.updates)
         checks.count("algo.skill.batch_size", self.batch_size)
         checks.not_negative("algo.skill.gradient_penalty", self.gradient_penalty)
+        if self.patience_s is not None:
+            checks.positive("algo.skill.patience_s", self.patience_s)
+            checks.require(
+                self.enabled,
+                "algo.skill.patience_s",
+                self.patience_s,
+                "set it to null without a skill discriminator (algo.skill.enabled=false), which tells skills apart",
+            )
 
 
 @dataclass

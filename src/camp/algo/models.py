@@ -178,13 +178,16 @@ class SkillEmbedding(nn.Module):
 class ConditionalDiscriminator(nn.Module):
     """D(s_t, s_{t+1} | z) of eq. (3); with embedding_size 0 the plain AMP discriminator D(s_t, s_{t+1})."""
 
-    def __init__(self, state_size: int, embedding_size: int, hidden: Sequence[int], generator: torch.Generator) -> None:
+    def __init__(
+        self, motion_size: int, embedding_size: int, hidden: Sequence[int], generator: torch.Generator
+    ) -> None:
+        """motion_size: F * S, numbers of all states judged together."""
         super().__init__()
-        network = mlp((2 * state_size + embedding_size, *hidden, 1), nn.ReLU, 1.0, generator)
+        network = mlp((motion_size + embedding_size, *hidden, 1), nn.ReLU, 1.0, generator)
         self.trunk, self.head = network[:-1], network[-1]
 
     def forward(self, state: Tensor, embedding: Tensor | None) -> Tensor:
-        """state (B, 2, S) standardized, embedding (B, Z) or None -> logit (B,): +1 expert, -1 policy."""
+        """state (B, F, S) standardized, embedding (B, Z) or None -> logit (B,): +1 expert, -1 policy."""
         x = state.flatten(1)
         if embedding is not None:
             x = torch.cat([x, embedding], dim=-1)
@@ -194,10 +197,13 @@ class ConditionalDiscriminator(nn.Module):
 class SkillDiscriminator(nn.Module):
     """z_hat = f(s_t, s_{t+1}), eq. (5): which skill does this motion show?"""
 
-    def __init__(self, state_size: int, embedding_size: int, hidden: Sequence[int], generator: torch.Generator) -> None:
+    def __init__(
+        self, motion_size: int, embedding_size: int, hidden: Sequence[int], generator: torch.Generator
+    ) -> None:
+        """motion_size: F * S, numbers of all states judged together."""
         super().__init__()
-        self.network = mlp((2 * state_size, *hidden, embedding_size), nn.ReLU, SKILL_HEAD_GAIN, generator)
+        self.network = mlp((motion_size, *hidden, embedding_size), nn.ReLU, SKILL_HEAD_GAIN, generator)
 
     def forward(self, state: Tensor) -> Tensor:
-        """state (B, 2, S) standardized -> (B, Z)."""
+        """state (B, F, S) standardized -> (B, Z)."""
         return self.network(state.flatten(1))

@@ -14,8 +14,9 @@ from camp.data import Transition
 class ReplayBuffer:
     """Ring of the last `capacity` transitions with their labels, on one device."""
 
-    def __init__(self, capacity: int, state_size: int, device: torch.device) -> None:
-        self._state = torch.zeros(capacity, 2, state_size, device=device)
+    def __init__(self, capacity: int, motion_shape: tuple[int, int], device: torch.device) -> None:
+        """motion_shape: F, S of `Transition`."""
+        self._state = torch.zeros(capacity, *motion_shape, device=device)
         self._skill = torch.zeros(capacity, dtype=torch.int64, device=device)
         self._count = 0  # filled rows
         self._next = 0  # row written next

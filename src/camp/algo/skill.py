@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -33,16 +34,17 @@ class SkillPrior:
         config: SkillConfig,
         embedding: SkillEmbedding,
         skills: Sequence[str],
-        state_size: int,
+        motion_shape: tuple[int, int],
         generator: torch.Generator,
     ) -> None:
-        """embedding: shared with the style prior; its device is the prior's. generator (CPU): for weights."""
+        """embedding: shared with the style prior; its device is the prior's. motion_shape: F, S of
+        `Transition`. generator (CPU): for weights."""
         self.config, self.weight, self.skills = config, config.weight, tuple(skills)
         self.embedding = embedding
         device = embedding.weight.device
         size = embedding.weight.shape[1]
-        self.network = SkillDiscriminator(state_size, size, config.hidden, generator).to(device)
-        self.normalizer = RunningNormalizer(state_size).to(device)
+        self.network = SkillDiscriminator(math.prod(motion_shape), size, config.hidden, generator).to(device)
+        self.normalizer = RunningNormalizer(motion_shape[1]).to(device)
         self.optimizer = torch.optim.Adam(self.network.parameters(), lr=config.learning_rate, fused=True)
 
     def predict(self, transition: Transition) -> Tensor:

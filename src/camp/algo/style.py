@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -37,10 +38,11 @@ class StylePrior:
         config: StyleConfig,
         embedding: SkillEmbedding,
         skills: Sequence[str],
-        state_size: int,
+        motion_shape: tuple[int, int],
         generator: torch.Generator,
     ) -> None:
-        """embedding: shared with the skill prior; its device is the prior's. generator (CPU): for weights."""
+        """embedding: shared with the skill prior; its device is the prior's. motion_shape: F, S of
+        `Transition`. generator (CPU): for weights."""
         if config.mismatch_fraction > 0.0 and len(skills) < 2:
             raise ConfigError(
                 f"algo.style.mismatch_fraction = {config.mismatch_fraction}: set it to 0 with a single skill, "
@@ -50,9 +52,9 @@ class StylePrior:
         self.embedding = embedding
         device = embedding.weight.device
         condition_size = embedding.weight.shape[1] if config.conditional else 0
-        network = ConditionalDiscriminator(state_size, condition_size, config.hidden, generator)
+        network = ConditionalDiscriminator(math.prod(motion_shape), condition_size, config.hidden, generator)
         self.network = network.to(device)
-        self.normalizer = RunningNormalizer(state_size).to(device)
+        self.normalizer = RunningNormalizer(motion_shape[1]).to(device)
         # Decay on the embedding would shrink the very vectors that tell skills apart.
         groups: list[dict[str, Any]] = [
             {"params": list(self.network.trunk.parameters()), "weight_decay": config.trunk_weight_decay},
@@ -61,7 +63,7 @@ class StylePrior:
         if config.conditional:
             groups.append({"params": list(embedding.parameters()), "weight_decay": 0.0})
         self.optimizer = torch.optim.Adam(groups, lr=config.learning_rate, fused=True)
-        self.replay = ReplayBuffer(config.replay_size, state_size, device) if config.replay_size else None
+        self.replay = ReplayBuffer(config.replay_size, motion_shape, device) if config.replay_size else None
 
     def logit(self, transition: Transition) -> Tensor:
         """D's answer (B,) without gradient: +1 expert, -1 policy; for rewards and histograms."""

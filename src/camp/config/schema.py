@@ -14,7 +14,7 @@ from camp.common import checks
 from camp.envs.config import EnvConfig
 from camp.envs.observations import check_names
 from camp.envs.rewards import check_terms
-from camp.gaits.schedule import GRID_STEPS
+from camp.gaits.gait import GAITS
 from camp.gaits.skills import FREQUENCY_TOLERANCE
 from camp.motion.config import MotionConfig
 from camp.robots.config import RobotConfig
@@ -100,14 +100,25 @@ class Config:
             f"the expert's targets are made for the gains of robot={robot.name}; use those, or run=scratch",
         )
         frequencies = list(self.motion.frequencies_hz)
+        walked = sorted(set.intersection(*(set(GAITS[gait].duty) for gait in self.motion.skills)))
         imitates = self.algo.imitation.epochs > 0 or self.algo.imitation.ppo_weight > 0.0
         checks.require(
-            not imitates or set(frequencies) <= GRID_STEPS.keys(),
+            not imitates or set(frequencies) <= set(walked),
             "motion.frequencies_hz",
             frequencies,
-            f"the expert that is imitated walks at {', '.join(f'{hz:g}' for hz in GRID_STEPS)} Hz; choose from these "
+            f"the expert that is imitated walks at {', '.join(f'{hz:g}' for hz in walked)} Hz; choose from these "
             f"(clips within {FREQUENCY_TOLERANCE:.0%} are taken), or run=scratch",
         )
+        for key, wanted in (
+            ("env.episode_growth.by_skill_from_s", self.env.episode_growth.by_skill_from_s is not None),
+            ("env.command.skill_focus", self.env.command.skill_focus is not None),
+        ):
+            checks.require(
+                self.algo.skill.enabled or not wanted,
+                key,
+                wanted,
+                "leave it out without a skill discriminator (algo.skill.enabled=false), which measures success",
+            )
         samples = self.run.rollout_steps * self.sim.num_envs
         checks.require(
             samples >= self.algo.ppo.minibatches,

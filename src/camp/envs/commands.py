@@ -8,6 +8,7 @@ import torch
 from torch import Tensor
 
 from camp.envs.config import CommandConfig
+from camp.envs.skill_schedule import SkillSchedule
 
 
 def uniform(interval: Sequence[float], shape: tuple[int, ...], generator: torch.Generator) -> Tensor:
@@ -29,6 +30,10 @@ def sample_commands(num: int, config: CommandConfig, generator: torch.Generator)
     return command * keep * moving
 
 
-def sample_skills(num: int, num_skills: int, generator: torch.Generator) -> Tensor:
-    """(num,) int64 skill labels, uniform."""
+def sample_skills(
+    num: int, num_skills: int, generator: torch.Generator, schedule: SkillSchedule | None = None
+) -> Tensor:
+    """(num,) int64 skill labels, uniform or as often as a schedule says."""
+    if schedule is not None:
+        return schedule.draw(num, generator)
     return torch.randint(num_skills, (num,), generator=generator, device=generator.device)

@@ -77,6 +77,8 @@ class CommandConfig:
     zero_fraction: float = MISSING  # probability that the whole command is zero
     period_s: float = MISSING  # a new command this often, counted from an episode's start
     skill_period_s: float = MISSING  # a new skill this often, likewise
+    # null: every draw is uniform. A number: draws that share time equally (0) or in proportion to failure (1).
+    skill_focus: float | None = None
 
     def check(self) -> None:
         checks.require(self.source in SOURCES, "env.command.source", self.source, f"choose {' or '.join(SOURCES)}")
@@ -86,6 +88,8 @@ class CommandConfig:
         checks.fraction("env.command.zero_fraction", self.zero_fraction)
         checks.positive("env.command.period_s", self.period_s)
         checks.positive("env.command.skill_period_s", self.skill_period_s)
+        if self.skill_focus is not None:
+            checks.fraction("env.command.skill_focus", self.skill_focus)
 
 
 @dataclass
@@ -166,12 +170,70 @@ class InitializationConfig:
 
 
 @dataclass
+class EpisodeGrowthConfig:
+    """A curriculum: episodes begin short and double again and again, up to ``env.episode_s``."""
+
+    initial_s: float | None = None  # length of the first episodes; null: ``env.episode_s`` from the start
+    doubling_s: float = 28.8  # the length doubles whenever every robot has been simulated for this long
+    # Once the length has grown to this many s, each skill's own success decides about its episodes, as
+    # `camp.training.skill_curriculum` says; null: never.
+    by_skill_from_s: float | None = None
+    success_up: float = 0.7  # of a skill's stretches: its episodes grow at or above, ...
+    success_down: float = 0.4  # ... and shrink below
+
+    def check(self) -> None:
+        checks.require(
+            self.by_skill_from_s is None or (self.initial_s is not None and self.by_skill_from_s >= self.initial_s),
+            "env.episode_growth.by_skill_from_s",
+            self.by_skill_from_s,
+            f"choose null, or at least env.episode_growth.initial_s ({self.initial_s}), the length that grows",
+        )
+        checks.fraction("env.episode_growth.success_up", self.success_up)
+        checks.require(
+            0.0 <= self.success_down <= self.success_up,
+            "env.episode_growth.success_down",
+            self.success_down,
+            f"choose a fraction within 0 .. success_up ({self.success_up})",
+        )
+        checks.positive("env.episode_growth.doubling_s", self.doubling_s)
+
+
+@dataclass
+class HardeningConfig:
+    """A curriculum: noise, randomization and pushes begin weak and grow while the gaits hold (`camp.hardening`)."""
+
+    initial: float | None = None  # difficulty in [0, 1] at the start; null: all of it from the start
+    step: float = 0.05  # of the difficulty, at one reading of the gaits (run.gait_every)
+    accuracy_up: float = 0.9  # harder where this share shows its gait, mean over skills, ...
+    falls_per_1000_steps: float = 1.0  # ... and no more fall
+    accuracy_down: float = 0.75  # easier below it
+
+    def check(self) -> None:
+        if self.initial is not None:
+            checks.fraction("env.hardening.initial", self.initial)
+        checks.fraction("env.hardening.step", self.step)
+        checks.fraction("env.hardening.accuracy_up", self.accuracy_up)
+        checks.not_negative("env.hardening.falls_per_1000_steps", self.falls_per_1000_steps)
+        checks.require(
+            0.0 <= self.accuracy_down <= self.accuracy_up,
+            "env.hardening.accuracy_down",
+            self.accuracy_down,
+            f"choose a share within 0 .. accuracy_up ({self.accuracy_up})",
+        )
+
+
+@dataclass
 class EnvConfig:
     """The whole group conf/env."""
 
-    episode_s: float = MISSING
+    episode_s: float = MISSING  # at most
     control_period_s: float = MISSING
     observe_skill: bool = MISSING  # false: the skill's entries of the observation are zero (ablation)
+    # Ages in control steps of the states that the discriminators judge together, oldest first; [1, 0]: the paper's
+    # two consecutive states. Older ones show the stride frequency.
+    transition_ages: list[int] = field(default_factory=lambda: [1, 0])
+    episode_growth: EpisodeGrowthConfig = field(default_factory=EpisodeGrowthConfig)
+    hardening: HardeningConfig = field(default_factory=HardeningConfig)
     observation: ObservationConfig = field(default_factory=ObservationConfig)
     noise: NoiseConfig = field(default_factory=NoiseConfig)
     command: CommandConfig = field(default_factory=CommandConfig)
@@ -189,7 +251,23 @@ class EnvConfig:
             self.episode_s,
             f"choose at least one control period ({self.control_period_s} s)",
         )
+        initial, period = self.episode_growth.initial_s, self.control_period_s
+        checks.require(
+            initial is None or period <= initial <= self.episode_s,
+            "env.episode_growth.initial_s",
+            initial,
+            f"choose null, or a length within control_period_s .. episode_s ({period} .. {self.episode_s})",
+        )
+        ages = list(self.transition_ages)
+        checks.require(
+            len(ages) >= 2 and ages[-1] == 0 and ages == sorted(set(ages), reverse=True),
+            "env.transition_ages",
+            ages,
+            "choose two or more ages in control steps, the oldest first and 0 last, such as [1, 0]",
+        )
         for part in (
+            self.episode_growth,
+            self.hardening,
             self.noise,
             self.command,
             self.reward,

@@ -18,9 +18,10 @@ from camp.envs import observations
 from camp.envs.commands import sample_commands, sample_skills, uniform
 from camp.envs.config import EXTERNAL, EnvConfig
 from camp.envs.measurement import Measurement, measure
-from camp.envs.randomization import sample_dynamics
+from camp.envs.randomization import randomization_at, sample_dynamics
 from camp.envs.rewards import active_terms, averaged, mix_rewards, task_rewards
 from camp.envs.situation import Before, Setup, Situation
+from camp.envs.skill_schedule import SkillSchedule
 from camp.envs.starts import Starts, draw_starts
 from camp.envs.terminations import failed
 from camp.motion.clips.sampler import ReferenceStates
@@ -40,7 +41,6 @@ _JOINT_VELOCITY = amp_slice("joint_velocity")
 class _Observed:
     """What is observed of N robots at one moment."""
 
-    amp_state: Tensor  # (N, S)
     observation: Tensor  # (N, O) with sensor noise
     privileged: Tensor  # (N, X)
 
@@ -87,7 +87,10 @@ class QuadrupedEnv(VectorEnv):
         self._terms = active_terms(config.reward.terms)
         self._weights = config.reward.weights()
         self._noise = observations.noise_width(self.actor_entries, config.noise).to(self._device)
-        self._episode_steps = self._steps(config.episode_s)
+        self.num_steps = 0  # control steps of each robot since construction
+        initial = config.hardening.initial
+        self.difficulty = 1.0 if initial is None else initial  # share of noise, randomization and pushes
+        self.skill_schedule: SkillSchedule | None = None  # None: all skills alike, as configured
         self._steps_to_draw = 0  # control steps until new starts are drawn
         num, device = self.num_envs, self._device
         self.step_count = torch.zeros(num, dtype=torch.int64, device=device)  # control steps into the episode
@@ -97,7 +100,8 @@ class QuadrupedEnv(VectorEnv):
         self._before = Before(self.last_action, self.last_action)
         self.average_velocity = torch.zeros(num, 3, device=device)  # of the last strides, as the reward takes it
         self.dynamics = Dynamics.nominal(num, config.randomization.nominal_friction, device)
-        self.amp_state = torch.zeros(num, AMP_STATE_SIZE, device=device)
+        self._ages = tuple(config.transition_ages)
+        self.amp_history = torch.zeros(num, self._ages[0], AMP_STATE_SIZE, device=device)  # the last A states
         self.num_diverged = torch.zeros((), dtype=torch.int64, device=device)  # simulations since construction
         self.default_pose = constant(self.robot.default_joint_position, self.command)
         self.observation = torch.zeros(num, observations.size(self.actor_entries), device=device)
@@ -117,9 +121,8 @@ class QuadrupedEnv(VectorEnv):
         self._begin(torch.ones(self.num_envs, dtype=torch.bool, device=self._device))
         self._steps_to_draw = 0
         if options.get("stagger", True):
-            self.step_count = torch.randint(
-                self._episode_steps, (self.num_envs,), generator=self._generator, device=self._device
-            )
+            shortest = int(torch.as_tensor(self._episode_steps()).min())
+            self.step_count = torch.randint(shortest, (self.num_envs,), generator=self._generator, device=self._device)
         return self.observation, {"privileged": self.privileged}
 
     def step(self, actions: Tensor) -> tuple[Tensor, Tensor, Tensor, Tensor, dict[str, Any]]:
@@ -128,11 +131,15 @@ class QuadrupedEnv(VectorEnv):
         info = {"step": result, "privileged": result.privileged, "final_obs": result.final_observation}
         return result.observation, result.task_reward, result.terminated, result.truncated, info
 
-    def advance(self, action: Tensor) -> Step:
-        """One control step with the network's outputs (N, 12): target = default pose + k action."""
+    def advance(self, action: Tensor, give_up: Tensor | None = None) -> Step:
+        """One control step with the network's outputs (N, 12): target = default pose + k action.
+
+        give_up: (N,) bool, whose episode is truncated at its end in any case.
+        """
         if self._steps_to_draw == 0:
             self._draw_starts()
         self._steps_to_draw -= 1
+        self.num_steps += 1
         self._before = Before(self.last_action, self.amp_state[:, _JOINT_VELOCITY])
         self.last_action = action
         self._push()
@@ -144,8 +151,9 @@ class QuadrupedEnv(VectorEnv):
         self.num_diverged = self.num_diverged + diverged.sum()
         # A robot whose simulation diverged has no successor state; a pair that stands still keeps it finite.
         successor = torch.where(diverged[:, None], self.amp_state, measurement.amp_state())
-        transition = torch.stack([self.amp_state, successor], dim=1)
-        self.amp_state = successor
+        history = torch.cat([self.amp_history, successor[:, None]], dim=1)  # (N, A + 1, S)
+        transition = torch.stack([history[:, -1 - age] for age in self._ages], dim=1)
+        self.amp_history = history[:, 1:]
         velocity = measurement.velocity().nan_to_num(0.0)
         self.average_velocity = averaged(
             self.average_velocity, velocity, self.sim.control_period, self.config.reward.velocity_average_s
@@ -153,7 +161,10 @@ class QuadrupedEnv(VectorEnv):
         situation = self._situation(measurement)
         reward = task_rewards(self._terms, situation)
         terminated = failed(measurement, diverged, self.config.termination)
-        truncated = (self.step_count >= self._episode_steps) & ~terminated
+        truncated = self.step_count >= self._episode_steps()
+        if give_up is not None:
+            truncated = truncated | give_up
+        truncated = truncated & ~terminated
         command, skill = self.command, self.skill
 
         self._draw_commands()
@@ -196,13 +207,16 @@ class QuadrupedEnv(VectorEnv):
         state["starts"] = self._starts.state_dict()
         state["starts_observed"] = vars(self._starts_observed)
         state["steps_to_draw"] = self._steps_to_draw
+        state["num_steps"] = self.num_steps
+        state["difficulty"] = self.difficulty
+        state["skill_schedule"] = None if self.skill_schedule is None else self.skill_schedule.state_dict()
         state["generator"] = generator_state(self._generator)
         state["sim"] = self.sim.state_dict()
         return state
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
         generator = state["generator"]
-        state = copied(state, self._device)
+        state = _with_history(copied(state, self._device))
         for name in _STATE:
             setattr(self, name, state[name])
         self.dynamics = Dynamics(**state["dynamics"])
@@ -210,6 +224,10 @@ class QuadrupedEnv(VectorEnv):
         self._starts_observed = _Observed(**state["starts_observed"])
         self._before = Before(self.last_action, self.amp_state[:, _JOINT_VELOCITY])
         self._steps_to_draw = state["steps_to_draw"]
+        self.num_steps = state.get("num_steps", 0)  # before env.episode_growth nobody counted
+        self.difficulty = state.get("difficulty", 1.0)  # before env.hardening there was none
+        schedule = state.get("skill_schedule")
+        self.skill_schedule = None if schedule is None else SkillSchedule.from_state_dict(schedule, self._device)
         restore_generator(self._generator, generator)
         self.sim.prepare(self.dynamics)
         self.sim.reset(torch.ones_like(self.step_count, dtype=torch.bool), self._starts.initial)
@@ -219,14 +237,31 @@ class QuadrupedEnv(VectorEnv):
     def close(self, **kwargs: Any) -> None:
         self.sim.close()
 
+    @property
+    def amp_state(self) -> Tensor:
+        """(N, S) what the discriminators see of every robot now."""
+        return self.amp_history[:, -1]
+
+    def _episode_steps(self) -> int | Tensor:
+        """Control steps until an episode is truncated now, of all robots or (N,); grows with ``env.episode_growth``."""
+        growth, longest = self.config.episode_growth, self.config.episode_s
+        if growth.by_skill_from_s is not None and self.skill_schedule is not None:
+            return self.skill_schedule.episode_steps(self.skill, self.sim.control_period)
+        if growth.initial_s is None:
+            return self._steps(longest)
+        doublings = self.num_steps * self.sim.control_period / growth.doubling_s
+        return self._steps(min(longest, growth.initial_s * 2.0 ** min(doublings, 64.0)))
+
     def _steps(self, seconds: float) -> int:
         return max(1, round(seconds / self.sim.control_period))
 
     def _draw_starts(self, dynamics: Dynamics | None = None) -> None:
         """The start that each robot takes if its episode ends before the next draw."""
         if dynamics is None:
-            dynamics = sample_dynamics(self.num_envs, self.config.randomization, self._generator)
-        starts = draw_starts(self.robot, dynamics, self.config, self.references, self._generator)
+            ranges = randomization_at(self.difficulty, self.config.randomization)
+            dynamics = sample_dynamics(self.num_envs, ranges, self._generator)
+        skill = sample_skills(self.num_envs, self.num_skills, self._generator, self.skill_schedule)
+        starts = draw_starts(self.robot, dynamics, skill, self.config, self.references, self._generator)
         if self.config.command.source == EXTERNAL:
             starts = replace(starts, command=self.command, skill=self.skill)
         self.sim.prepare(starts.dynamics)
@@ -247,7 +282,7 @@ class QuadrupedEnv(VectorEnv):
             starts.dynamics,
             Before(action, measurement.joint_velocity),
         )
-        self._starts_observed = _Observed(measurement.amp_state(), *self._observe(situation))
+        self._starts_observed = _Observed(*self._observe(situation))
 
     def _begin(self, mask: Tensor) -> None:
         """Begin an episode with the robots of ``mask`` (N,) bool."""
@@ -264,7 +299,7 @@ class QuadrupedEnv(VectorEnv):
             select(mask, action, self._before.action),
             select(mask, starts.initial.joint_velocity, self._before.joint_velocity),
         )
-        self.amp_state = select(mask, observed.amp_state, self.amp_state)
+        self.amp_history = select(mask, starts.amp_history, self.amp_history)
         self.observation = select(mask, observed.observation, self.observation)
         self.privileged = select(mask, observed.privileged, self.privileged)
 
@@ -274,7 +309,7 @@ class QuadrupedEnv(VectorEnv):
         if config.source == EXTERNAL:
             return
         new_command = sample_commands(self.num_envs, config, self._generator)
-        new_skill = sample_skills(self.num_envs, self.num_skills, self._generator)
+        new_skill = sample_skills(self.num_envs, self.num_skills, self._generator, self.skill_schedule)
         command_due = self.step_count % self._steps(config.period_s) == 0
         skill_due = self.step_count % self._steps(config.skill_period_s) == 0
         self.command = torch.where(command_due[:, None], new_command, self.command)
@@ -284,7 +319,7 @@ class QuadrupedEnv(VectorEnv):
         config = self.config.push
         if not config.enabled:
             return
-        limit = config.max_velocity_m_s
+        limit = self.difficulty * config.max_velocity_m_s
         change = torch.zeros(self.num_envs, 3, device=self._device)
         change[:, :2] = uniform((-limit, limit), (self.num_envs, 2), self._generator)
         due = (self.step_count + 1) % self._steps(config.period_s) == 0
@@ -310,7 +345,9 @@ class QuadrupedEnv(VectorEnv):
         """The policy's observation with sensor noise, and the critic's privileged part without."""
         observation = observations.observe(self.actor_entries, situation)
         if self.config.noise.enabled:
-            observation += self._noise * uniform((-1.0, 1.0), tuple(observation.shape), self._generator)
+            observation += (
+                self.difficulty * self._noise * uniform((-1.0, 1.0), tuple(observation.shape), self._generator)
+            )
         privileged = observations.observe(self.privileged_entries, situation)
         return _bounded(observation), _bounded(privileged)
 
@@ -322,11 +359,23 @@ _STATE = (
     "skill",
     "last_action",
     "average_velocity",
-    "amp_state",
+    "amp_history",
     "observation",
     "privileged",
     "num_diverged",
 )
+
+
+def _with_history(state: dict[str, Any]) -> dict[str, Any]:
+    """The state as it is saved today; before ``env.transition_ages`` it held each robot's last AMP state alone, and
+    ``starts_observed`` was called ``starts_sight``."""
+    if "amp_state" not in state:
+        return state
+    observed: dict[str, Tensor] = dict(
+        state["starts_observed"] if "starts_observed" in state else state["starts_sight"]
+    )
+    starts = state["starts"] | {"amp_history": observed.pop("amp_state")[:, None]}
+    return state | {"amp_history": state["amp_state"][:, None], "starts": starts, "starts_observed": observed}
 
 
 def _box(width: int) -> gym.spaces.Box:

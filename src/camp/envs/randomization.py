@@ -1,6 +1,8 @@
-"""Domain randomization: the physical parameters of Table I."""
+"""Domain randomization: the physical parameters of Table I, and how far its ranges reach."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import torch
 
@@ -8,6 +10,9 @@ from camp.envs.commands import uniform
 from camp.envs.config import RandomizationConfig
 from camp.robots.quadruped import NUM_JOINTS
 from camp.sim.base import LINK_NAMES, Dynamics
+
+_ABOUT_ONE = ("link_mass_scale", "motor_strength_scale", "kp_scale", "kd_scale")
+_ABOUT_ZERO = ("payload_mass_kg", "payload_position_m")
 
 
 def sample_dynamics(num: int, config: RandomizationConfig, generator: torch.Generator) -> Dynamics:
@@ -23,3 +28,17 @@ def sample_dynamics(num: int, config: RandomizationConfig, generator: torch.Gene
         kp_scale=uniform(config.kp_scale, (num, NUM_JOINTS), generator),
         kd_scale=uniform(config.kd_scale, (num, NUM_JOINTS), generator),
     )
+
+
+def randomization_at(difficulty: float, config: RandomizationConfig) -> RandomizationConfig:
+    """The ranges at a difficulty in [0, 1]: each end at that share of its way from the nominal robot."""
+    if difficulty == 1.0:
+        return config
+    narrowed = {name: _towards(1.0, getattr(config, name), difficulty) for name in _ABOUT_ONE}
+    narrowed |= {name: _towards(0.0, getattr(config, name), difficulty) for name in _ABOUT_ZERO}
+    narrowed["friction"] = _towards(config.nominal_friction, config.friction, difficulty)
+    return replace(config, **narrowed)
+
+
+def _towards(nominal: float, bounds: list[float], difficulty: float) -> list[float]:
+    return [nominal + difficulty * (bound - nominal) for bound in bounds]

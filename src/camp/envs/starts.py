@@ -10,8 +10,9 @@ from torch import Tensor
 
 from camp.common.tensors import constant
 from camp.envs import initialization
-from camp.envs.commands import sample_commands, sample_skills, uniform
+from camp.envs.commands import sample_commands, uniform
 from camp.envs.config import EnvConfig
+from camp.envs.measurement import measure
 from camp.motion.clips.sampler import ReferenceStates
 from camp.robots.robot import Robot
 from camp.sim.base import Dynamics, InitialState
@@ -27,6 +28,7 @@ class Starts:
     command: Tensor  # (N, 3) vx, vy in m/s, yaw rate in rad/s
     average_velocity: Tensor  # (N, 3) the same, that the reward's average begins with
     joint_target: Tensor  # (N, 12) rad, what the PD law is taken to have held before
+    amp_history: Tensor  # (N, A, S) the last A AMP states, its own the last
 
     def state_dict(self) -> dict[str, Any]:
         return vars(self) | {"initial": vars(self.initial), "dynamics": self.dynamics.tensors()}
@@ -40,13 +42,14 @@ class Starts:
 def draw_starts(
     robot: Robot,
     dynamics: Dynamics,
+    skill: Tensor,
     config: EnvConfig,
     references: ReferenceStates,
     generator: torch.Generator,
 ) -> Starts:
-    """Beginnings for the robots of ``dynamics``: a skill, and a frame of one of its clips or a standing start."""
-    num, init = len(dynamics.friction), config.initialization
-    skill = sample_skills(num, references.num_skills, generator)
+    """Beginnings of N robots with these ``dynamics`` and labels (N,): a frame of one of the skill's clips, or a
+    standing start."""
+    init, num = config.initialization, len(skill)
     reference = references.sample(skill, generator)
     at_reference = uniform((0.0, 1.0), (num,), generator) < init.reference_fraction
     initial = initialization.merge(
@@ -55,6 +58,9 @@ def draw_starts(
     command = sample_commands(num, config.command, generator)
     target = reference.joint_target_applied_previous
     row = at_reference[:, None]
+    # Measured, not read: a clip's own last state may differ in the last digit. Who stands has stood before.
+    present = measure(robot, initial.robot_state()).amp_state()[:, None]
+    past = torch.where(row[..., None], reference.amp_history, present)
     # A robot set into a clip goes on with the clip's command, and remembers the clip's last target.
     return Starts(
         initial=initial,
@@ -63,4 +69,5 @@ def draw_starts(
         command=torch.where(row, reference.command, command),
         average_velocity=reference.command * row,
         joint_target=torch.where(row, target, constant(robot.default_joint_position, target)),
+        amp_history=torch.cat([past[:, :-1], present], dim=1),
     )

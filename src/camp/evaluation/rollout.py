@@ -80,6 +80,7 @@ def evaluation_setting(config: Config, steps: int) -> Config:
     env = setting.env
     env.command.source = EXTERNAL
     env.episode_s = (steps + 1) * env.control_period_s
+    env.episode_growth.initial_s = env.episode_growth.by_skill_from_s = env.hardening.initial = None
     env.noise.enabled = env.randomization.enabled = env.push.enabled = False
     env.initialization.reference_fraction = 0.0
     env.initialization.joint_position_scale = [1.0, 1.0]
@@ -124,7 +125,7 @@ def roll_out(policy: Policy, config: Config, plan: Plan, clips: list[Clip], seed
                 "torque": torch.stack([torque for torque, _ in torques], dim=1),
                 "power": sum((torque * speed).abs().sum(dim=1) for torque, speed in torques) / len(torques),
                 "foot_speed": sliding_speed(env.robot, measure(env.robot, after)),
-                "amp_state": result.transition[:, 1],
+                "amp_state": result.transition[:, -1],
                 "qpos": after.qpos(),
             }
             for name, value in values.items():

@@ -2,23 +2,36 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import torch
 from torch import Tensor
 
 from camp.algo.ppo import PPO
 from camp.common.averages import Averages
+from camp.common.tensors import copied
 from camp.data import Decision, Rollout, Step
 from camp.envs.quadruped import QuadrupedEnv
 from camp.metrics.tracking import FAST_COMMAND_M_S
 from camp.training.gait_monitor import GaitMonitor
+from camp.training.patience import Patience
 
 
 class Collector:
     """Steps the environment with the policy; the environment lives on its simulator's device, the rollout on
-    the learner's."""
+    the learner's. patience: ends episodes in which the commanded skill is not shown."""
 
-    def __init__(self, env: QuadrupedEnv, ppo: PPO, monitor: GaitMonitor, device: torch.device):
+    def __init__(
+        self,
+        env: QuadrupedEnv,
+        ppo: PPO,
+        monitor: GaitMonitor,
+        device: torch.device,
+        patience: Patience | None = None,
+    ):
         self.env, self.ppo, self.monitor, self.device = env, ppo, monitor, device
+        self.patience = patience
+        self._given_up: Tensor | None = None  # (N,) bool, by the last step
 
     def collect(self, steps: int, generator: torch.Generator) -> tuple[Rollout, dict[str, float]]:
         """``steps`` control steps of every robot; also metrics of what happened. Waits for the device at the end only.
@@ -33,8 +46,11 @@ class Collector:
         for _ in range(steps):
             observation, hidden = self._here(self.env.observation), self._here(self.env.privileged)
             decision = self.ppo.act(observation, hidden, generator)
-            result = self.env.advance(decision.action.to(self.env.sim.device))
+            result = self.env.advance(decision.action.to(self.env.sim.device), self._given_up)
             self.monitor.add(result)
+            if self.patience is not None:
+                self._given_up = self.patience.exhausted(result).to(self.env.sim.device)
+                averages.add("env/given_up_per_1000_steps", 1000.0 * self._given_up)
             _record(result, averages)
             observations.append(observation)
             privileged.append(hidden)
@@ -62,6 +78,18 @@ class Collector:
         )
         self.env.sim.verify()
         return rollout, averages.result() | {"env/diverged": float(self.env.num_diverged)}
+
+    def state_dict(self) -> dict[str, Any]:
+        if self.patience is None:
+            return {}
+        return {"patience": self.patience.state_dict(), "given_up": self._given_up}
+
+    def load_state_dict(self, state: dict[str, Any]) -> None:
+        if self.patience is None:
+            return
+        self.patience.load_state_dict(state["patience"])
+        given_up = state["given_up"]
+        self._given_up = None if given_up is None else copied(given_up, self.env.sim.device)
 
     def _next_value(self, value: Tensor, results: list[Step]) -> Tensor:
         """(T, N) value of each step's successor before any reset."""

@@ -29,7 +29,10 @@ from camp.training.alarms import AlarmMonitor, alarms_of
 from camp.training.best import BestCheckpoint
 from camp.training.collector import Collector
 from camp.training.gait_monitor import GaitMonitor
+from camp.training.hardening import next_difficulty
+from camp.training.patience import build_patience
 from camp.training.progress import Progress
+from camp.training.skill_curriculum import build_skill_curriculum
 
 
 class Runner:
@@ -50,7 +53,8 @@ class Runner:
         )
         self.alarms = AlarmMonitor(alarms_of(config))
         self.best = BestCheckpoint()
-        self.collector = Collector(env, training.ppo, self.monitor, training.device)
+        self.collector = Collector(env, training.ppo, self.monitor, training.device, build_patience(training, config))
+        self.skill_curriculum = build_skill_curriculum(training, config)
         self.iteration = 0  # completed ones
 
     def start(self) -> None:
@@ -119,7 +123,12 @@ class Runner:
         metrics |= {f"reward/{name}/weighted": weights[name] * metrics[f"reward/{name}/raw"] for name in weights}
         metrics["env/diverged"] = float(distributed.total(torch.tensor(metrics["env/diverged"])))
         metrics |= self.alarms.update(metrics)
+        metrics["env/difficulty"] = training.env.difficulty
+        if self.skill_curriculum is not None:
+            metrics |= self.skill_curriculum.update(rollout)
         readings = self._readings(rollout) if self.iteration % run.gait_every == 0 else {}
+        hardening = self.config.env.hardening
+        training.env.difficulty = next_difficulty(training.env.difficulty, metrics | readings, hardening)
         metrics["time/collect_s"] = collected - started
         metrics["time/score_s"] = scored - collected
         metrics["time/policy_update_s"] = policy_updated - scored
@@ -161,6 +170,8 @@ class Runner:
             "memories": {prior.name: prior.memory() for prior in training.priors},
             "env": training.env.state_dict(),
             "monitor": self.monitor.state_dict(),
+            "collector": self.collector.state_dict(),
+            "skill_curriculum": None if self.skill_curriculum is None else self.skill_curriculum.state_dict(),
             "generators": {name: generator_state(g) for name, g in training.generators.items()},
             "global_random_state": global_state(),
         }
@@ -179,6 +190,9 @@ class Runner:
             prior.load_memory(own["memories"][prior.name])
         training.env.load_state_dict(own["env"])
         self.monitor.load_state_dict(own["monitor"])
+        if self.skill_curriculum is not None:
+            self.skill_curriculum.load_state_dict(own["skill_curriculum"])
+        self.collector.load_state_dict(own.get("collector", {}))  # before `algo.skill.patience_s` there was none
         for name, generator in training.generators.items():
             restore_generator(generator, own["generators"][name])
         restore_global_state(own["global_random_state"])

@@ -11,7 +11,7 @@ import torch
 from camp.common.errors import ClipError
 from camp.gaits.skills import Skill, skill_set
 from camp.motion.clips.clip import Clip, amp_state
-from camp.motion.clips.sampler import Demonstrations, ReferenceStates
+from camp.motion.clips.sampler import Demonstrations, ReferenceStates, transitions
 from camp.robots.quadruped import FOOT_NAMES, JOINT_NAMES
 
 SKILLS = skill_set(("trot", "pace", "bound"), "gait", ())
@@ -112,6 +112,36 @@ def test_preloading_and_sampling_follow_their_generators():
     assert torch.equal(left.sample(10, rng(4)).state, right.sample(10, rng(4)).state)
     other = Demonstrations(make_clips(), SKILLS, 12, rng(5))
     assert not torch.equal(left.transition.state, other.transition.state)
+
+
+def test_transitions_hold_the_states_of_their_ages():
+    state = torch.arange(10.0)[:, None]
+    found = transitions(state, (5, 2, 0))
+    assert found.shape == (5, 3, 1)
+    assert found[:, :, 0].tolist() == [[t - 5, t - 2, t] for t in range(5, 10)]
+    assert torch.equal(transitions(state, (1, 0)), torch.stack([state[:-1], state[1:]], dim=1))
+
+
+def test_demonstrations_look_back_within_one_clip():
+    demonstrations = Demonstrations(make_clips(), SKILLS, 1000, rng(), ages=(4, 1, 0))
+    assert len(demonstrations) == sum(len(clip) - 4 for clip in make_clips())
+    stamp = demonstrations.transition.state[:, :, 0]
+    assert (stamp[:, 2] - stamp[:, 1] == 1).all() and (stamp[:, 2] - stamp[:, 0] == 4).all()
+    assert (stamp[:, 2] // 100 == stamp[:, 0] // 100).all()
+
+
+def test_reference_states_know_their_past():
+    state = ReferenceStates(make_clips(), SKILLS, history=4).sample(torch.tensor([0, 1, 2] * 200), rng())
+    stamp = state.amp_history[:, :, 0]
+    assert stamp.shape == (600, 4) and (stamp.diff(dim=1) == 1).all()
+    assert torch.equal(stamp[:, -1], state.joint_position[:, 0])
+    assert torch.equal(stamp[:, -1] - 0.5, state.joint_target_applied_previous[:, 0])
+    assert set((stamp[:, -1] % 100).tolist()) <= set(range(3, 30))
+
+
+def test_a_clip_shorter_than_the_history_is_refused():
+    with pytest.raises(ClipError, match=r"pace with 5 frames: too short for env\.transition_ages"):
+        ReferenceStates(make_clips(), SKILLS, history=6)
 
 
 def test_states_are_the_amp_states_of_the_clip():

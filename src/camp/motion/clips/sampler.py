@@ -14,6 +14,8 @@ from camp.data import Transition
 from camp.gaits.skills import Skill, label_of
 from camp.motion.clips.clip import Clip, amp_state
 
+CONSECUTIVE = (1, 0)  # ages in frames of the paper's (s_t, s_{t+1})
+
 
 def _by_skill(clips: Sequence[Clip], skills: Sequence[Skill]) -> list[list[Clip]]:
     """Clips per skill, in label order. Raises ClipError where a skill has none or the frame rates differ."""
@@ -34,6 +36,12 @@ def _by_skill(clips: Sequence[Clip], skills: Sequence[Skill]) -> list[list[Clip]
     return groups
 
 
+def transitions(state: Tensor, ages: Sequence[int]) -> Tensor:
+    """All transitions of one motion: states (T, S) and ages in frames, oldest first -> (T - ages[0], F, S)."""
+    oldest, frames = ages[0], len(state)
+    return torch.stack([state[oldest - age : frames - age] for age in ages], dim=1)
+
+
 def _tensor(values: np.ndarray, device: torch.device | str) -> Tensor:
     return torch.as_tensor(np.ascontiguousarray(values, dtype=np.float32), device=device)
 
@@ -48,19 +56,20 @@ class Demonstrations:
         num_preloaded: int,
         generator: torch.Generator,
         device: torch.device | str = "cpu",
+        ages: Sequence[int] = CONSECUTIVE,
     ) -> None:
         """Draws num_preloaded / K transitions of each skill, uniformly and without repetition.
 
-        Pairs never reach across a clip's end. A skill whose clips hold fewer transitions gives all of them;
-        `sample` stays balanced. generator: on the CPU. Raises ClipError for a skill without clips or unequal
-        frame rates.
+        Transitions never reach across a clip's end. A skill whose clips hold fewer transitions gives all of them;
+        `sample` stays balanced. generator: on the CPU; ages: as in `transitions`. Raises ClipError for a skill
+        without clips or unequal frame rates.
         """
         fraction = max(1, num_preloaded // len(skills))
         state, skill, counts = [], [], []
         for label, group in enumerate(_by_skill(clips, skills)):
             frames = [torch.from_numpy(amp_state(clip)) for clip in group]
-            pairs = torch.cat([torch.stack([s[:-1], s[1:]], dim=1) for s in frames])  # (M_k, 2, S)
-            chosen = pairs[torch.randperm(len(pairs), generator=generator)[:fraction]]
+            found = torch.cat([transitions(s, ages) for s in frames])  # (M_k, F, S)
+            chosen = found[torch.randperm(len(found), generator=generator)[:fraction]]
             state.append(chosen)
             skill.append(torch.full((len(chosen),), label))
             counts.append(len(chosen))
@@ -101,24 +110,36 @@ class ReferenceState:
     base_angular_velocity: Tensor  # (n, 3) rad/s, base frame
     command: Tensor  # (n, 3) vx, vy m/s, wz rad/s that the clip follows at this frame
     joint_target_applied_previous: Tensor  # (n, 12) rad, what the PD received in the step before
+    amp_history: Tensor  # (n, A, S) the last A AMP states, its own the last
 
 
 class ReferenceStates:
     """Draws states for reference-state initialization (Peng et al. 2018)."""
 
-    def __init__(self, clips: Sequence[Clip], skills: Sequence[Skill], device: torch.device | str = "cpu") -> None:
-        """Raises ClipError for a skill without clips or unequal frame rates."""
+    def __init__(
+        self, clips: Sequence[Clip], skills: Sequence[Skill], device: torch.device | str = "cpu", history: int = 1
+    ) -> None:
+        """history: A, how many AMP states go with each state. Raises ClipError for a skill without clips or unequal
+        frame rates, or a clip that is shorter than the history."""
         groups = _by_skill(clips, skills)
         self.num_skills = len(groups)
         ordered = [clip for group in groups for clip in group]
-        # The first frame of a clip has no previous target, so it is dropped from every row below.
-        length = [len(clip) - 1 for clip in ordered]
+        # The first frame of a clip has no previous target, and the first ones no history, so no row has them.
+        first = max(1, history - 1)
+        length = [len(clip) - first for clip in ordered]
+        if min(length) < 1:
+            shortest = min(ordered, key=len)
+            raise ClipError(
+                f"clip of {shortest.gait} with {len(shortest)} frames: too short for env.transition_ages, which look "
+                f"back {history} frames; choose smaller ages or longer clips"
+            )
 
         def rows(name: str) -> Tensor:
-            return _tensor(np.concatenate([getattr(clip, name)[1:] for clip in ordered]), device)
+            return _tensor(np.concatenate([getattr(clip, name)[first:] for clip in ordered]), device)
 
         pairs = zip(ordered, length, strict=True)
-        commands = [np.broadcast_to(clip.command, (frames + 1, 3))[1:] for clip, frames in pairs]
+        commands = [np.broadcast_to(clip.command, (first + frames, 3))[first:] for clip, frames in pairs]
+        recent = range(history - 1, -1, -1)  # ages of the history's states
         self._frames = ReferenceState(
             base_height=rows("base_position")[:, 2],
             base_quaternion=rows("base_quaternion"),
@@ -128,8 +149,11 @@ class ReferenceStates:
             base_angular_velocity=rows("base_angular_velocity"),
             command=_tensor(np.concatenate(commands), device),
             joint_target_applied_previous=_tensor(
-                np.concatenate([clip.joint_target_applied[:-1] for clip in ordered]), device
+                np.concatenate([clip.joint_target_applied[first - 1 : -1] for clip in ordered]), device
             ),
+            amp_history=torch.cat(
+                [transitions(torch.from_numpy(amp_state(clip)), recent)[first - recent[0] :] for clip in ordered]
+            ).to(device),
         )
         self._length = torch.tensor(length, device=device)  # (C,) frames per clip
         self._first_frame = self._length.cumsum(0) - self._length  # (C,)
