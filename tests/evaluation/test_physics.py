@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 import torch
 
-from camp.config import RobotConfig
 from camp.envs.measurement import measure
-from camp.evaluation.physics import MotorLaw, sliding_speed
+from camp.evaluation.physics import MotorLaw, foot_height, sliding_speed
 from camp.robots import go2
 from camp.sim.base import Dynamics, InitialState
 
@@ -35,21 +34,21 @@ def state_of(data: mujoco.MjData):
 
 
 def test_torque_is_that_of_the_model(data):
-    state, robot = state_of(data), RobotConfig(kp=[30.0, 30.0, 40.0], kd=[1.0, 1.0, 1.0], action_scale=0.25)
-    law = MotorLaw.of(robot, Dynamics.nominal(1, 0.8, torch.device("cpu")))
+    state, gains = state_of(data), ((30.0, 30.0, 40.0) * 4, (1.0,) * 12)
+    law = MotorLaw.of(gains, Dynamics.nominal(1, 0.8, torch.device("cpu")))
     target = torch.tensor(data.ctrl, dtype=torch.float32)[None]
-    torque = law.torque(target, state.joint_position, state.joint_velocity)
+    torque = law.torque(*(x[:, None] for x in (target, state.joint_position, state.joint_velocity)))[:, 0]
     np.testing.assert_allclose(torque[0], data.actuator_force, atol=1e-4)
 
 
 def test_weak_motors_and_the_limit_count():
-    robot = RobotConfig(kp=[30.0, 30.0, 40.0], kd=[1.0, 1.0, 1.0], action_scale=0.25)
+    gains = ((30.0, 30.0, 40.0) * 4, (1.0,) * 12)
     dynamics = Dynamics.nominal(1, 0.8, torch.device("cpu"))
     dynamics.motor_strength[:] = 0.5
-    law = MotorLaw.of(robot, dynamics)
-    torque = law.torque(torch.full((1, 12), 1.0), torch.zeros(1, 12), torch.full((1, 12), 2.0))
+    law = MotorLaw.of(gains, dynamics)
+    torque = law.torque(torch.full((1, 1, 12), 1.0), torch.zeros(1, 1, 12), torch.full((1, 1, 12), 2.0))[0]
     assert torque[0, :3].tolist() == pytest.approx([14.0, 14.0, 19.0])  # .5 (30 - 2), .5 (40 - 2)
-    assert law.torque(torch.full((1, 12), 9.0), *torch.zeros(2, 1, 12)).max() == pytest.approx(45.43)
+    assert law.torque(torch.full((1, 1, 12), 9.0), *torch.zeros(2, 1, 1, 12)).max() == pytest.approx(45.43)
 
 
 def test_sliding_speed_is_that_of_the_lowest_point_of_the_sphere(data):
@@ -60,3 +59,8 @@ def test_sliding_speed_is_that_of_the_lowest_point_of_the_sphere(data):
         point = velocity[3:] + np.cross(velocity[:3], [0, 0, -go2.FOOT_RADIUS])
         expected.append(np.hypot(*point[:2]))
     np.testing.assert_allclose(sliding_speed(measure(state_of(data)))[0], expected, rtol=1e-4)
+
+
+def test_foot_height_is_that_of_the_lowest_point_of_the_sphere(data):
+    expected = [data.geom(f"{leg}_foot").xpos[2] - go2.FOOT_RADIUS for leg in go2.FOOT_NAMES]
+    np.testing.assert_allclose(foot_height(measure(state_of(data)))[0], expected, atol=1e-5)

@@ -1,4 +1,4 @@
-"""What follows from the robots' state: joint torques, mechanical power, the speed at which feet slide."""
+"""What follows from the robots' state: joint torques, the height of feet, the speed at which they slide."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from camp.config import RobotConfig
 from camp.constants import constant
 from camp.envs.measurement import Measurement
 from camp.robots import go2
 from camp.robots.kinematics import foot_velocity
 from camp.sim.base import Dynamics
+from camp.sim.parameters import Gains
 
 
 @dataclass
@@ -26,17 +26,23 @@ class MotorLaw:
     damping: Tensor  # (N, 12) N m s/rad
 
     @classmethod
-    def of(cls, robot: RobotConfig, dynamics: Dynamics) -> MotorLaw:
-        """The law with the nominal gains of conf/robot and the robots' own deviations."""
-        kp, kd = (torch.tensor(list(gains) * go2.NUM_LEGS) for gains in (robot.kp, robot.kd))
+    def of(cls, gains: Gains, dynamics: Dynamics) -> MotorLaw:
+        """The law with the nominal gains and the robots' own deviations."""
+        kp, kd = (torch.tensor(gain) for gain in gains)
         strength = dynamics.motor_strength
         return cls(kp * dynamics.kp_scale * strength, kd * dynamics.kd_scale * strength)
 
     def torque(self, joint_target: Tensor, joint_position: Tensor, joint_velocity: Tensor) -> Tensor:
-        """(N, 12) N m, from rad and rad/s."""
+        """(N, T, 12) N m, from rad and rad/s."""
         limit = constant(go2.TORQUE_LIMIT, joint_position)
-        wanted = self.stiffness * (joint_target - joint_position) - self.damping * joint_velocity
+        wanted = self.stiffness[:, None] * (joint_target - joint_position) - self.damping[:, None] * joint_velocity
         return torch.clamp(wanted, -limit, limit)
+
+
+def foot_height(measurement: Measurement) -> Tensor:
+    """Height of each foot's lowest point above flat ground, (N, 4) m; below 0 where the soft ground gives way."""
+    down = measurement.gravity[:, None]
+    return measurement.base_position[:, 2:] - (measurement.foot_position * down).sum(dim=-1) - go2.FOOT_RADIUS
 
 
 def sliding_speed(measurement: Measurement) -> Tensor:

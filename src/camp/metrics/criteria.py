@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from camp.metrics.contact import BOUNCE_S, debounced, stride_share, touches_per_stride
 from camp.metrics.gait import NO_GAIT, measure_gait, pair_phase_errors
@@ -218,7 +218,7 @@ def _whole_strides(contact: Bools, frequency_hz: Floats, period_s: float) -> Flo
     return (np.arange(steps) >= steps - np.round(rows)[:, None]).astype(np.float64)
 
 
-def _mean(value: NDArray, weight: Floats) -> Floats:
+def _mean(value: ArrayLike, weight: Floats) -> Floats:
     """Weighted mean over time, (N, T, ...) and (N, T) -> (N, ...)."""
     total = np.einsum("nt,nt...->n...", weight, np.asarray(value, dtype=np.float64))
     return total / weight.sum(axis=1).reshape(-1, *(1,) * (total.ndim - 1))

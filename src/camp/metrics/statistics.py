@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ Floats = NDArray[np.floating]
 
 CONFIDENCE = 0.95
 RESAMPLES = 2000  # of a bootstrap
-SHOWN, NOT_SHOWN, MISSED = "shown", "not shown", "missed"
+Verdict = Literal["shown", "not shown", "missed"]
 
 
 @dataclass(frozen=True)
@@ -24,11 +25,11 @@ class Interval:
     high: float
     n: int
 
-    def verdict(self, target: float, at_least: bool) -> str:
+    def verdict(self, target: float, at_least: bool) -> Verdict:
         """Is a bound shown to hold, shown to be missed, or neither? The whole interval has to lie on one side."""
         if self.low >= target if at_least else self.high <= target:
-            return SHOWN
-        return MISSED if (self.high < target if at_least else self.low > target) else NOT_SHOWN
+            return "shown"
+        return "missed" if (self.high < target if at_least else self.low > target) else "not shown"
 
 
 def share_interval(count: int, n: int) -> Interval | None:

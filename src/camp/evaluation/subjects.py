@@ -1,0 +1,51 @@
+"""Who can be judged: run folders and ONNX policies, beside baselines that do not walk."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from camp.build import Run, build_actor
+from camp.checkpoint import latest_checkpoint
+from camp.evaluation.contract import Contract, read_contract
+from camp.evaluation.controllers import NetworkController, OpenLoopSine, Standing
+from camp.evaluation.judge import MakeController, Subject
+from camp.evaluation.policies import OnnxAnswer, contract_inside, contract_of_run
+from camp.evaluation.suite import file_digest
+from camp.seeding import generator
+
+
+def subject_of_run(run: Run, folder: Path, name: str, baselines: bool) -> Subject:
+    """The deterministic policy of a run folder."""
+    contract = contract_of_run(name, run.config)
+    beside: dict[str, MakeController] = {}
+    if baselines:
+        untrained = build_actor(run.config, generator(run.config.seed, "weights"))
+        beside = {"untrained": lambda: NetworkController(contract, untrained)} | _baselines(contract)
+    return Subject(
+        name=name,
+        contract=contract,
+        controller=lambda: NetworkController(contract, run.actor),
+        policy=file_digest(latest_checkpoint(folder)),
+        variant=run.config.variant,
+        iteration=run.iteration,
+        seed=run.config.seed,
+        baselines=beside,
+    )
+
+
+def subject_of_onnx(policy: Path, contract_file: Path | None, baselines: bool) -> Subject:
+    """Anybody's policy. Raises CampError where the file, its contract or the two together cannot be used."""
+    answer = OnnxAnswer(policy)
+    contract = contract_inside(answer) if contract_file is None else read_contract(contract_file)
+    answer.check(contract)
+    return Subject(
+        name=contract.name,
+        contract=contract,
+        controller=lambda: NetworkController(contract, answer),
+        policy=file_digest(policy),
+        baselines=_baselines(contract) if baselines else {},
+    )
+
+
+def _baselines(contract: Contract) -> dict[str, MakeController]:
+    return {"standing": Standing, "sine": lambda: OpenLoopSine(contract.skill_set)}
