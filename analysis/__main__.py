@@ -15,9 +15,10 @@ from analysis.contacts import compute_diagram, draw_diagram
 from analysis.dtw import compute_distances, draw_distances
 from analysis.style import save
 from analysis.training import compute_curves, draw_curves
-from camp.arguments import run_command
 from camp.build import load_run
-from camp.paths import policies_root, results_folder
+from camp.cli.key_values import run_command
+from camp.common.paths import policies_root
+from camp.runs.folder import FIGURES, results_folder
 
 SEED = 0
 
@@ -47,7 +48,7 @@ def draw_latent_space(folder: Path) -> list[Path]:
 
 def figures_folder(folder: Path) -> Path:
     """Where the run's figures go."""
-    return results_folder(folder) / "figures"
+    return results_folder(folder) / FIGURES
 
 
 def run_folder(arguments: Sequence[str]) -> Path:

@@ -18,7 +18,7 @@ from sklearn.preprocessing import StandardScaler
 
 from analysis.load import ClipFeatures, gaits_of
 from analysis.style import WIDE, new_figure, skill_shades, style
-from camp.motion.skills import Skill
+from camp.gaits.skills import Skill
 
 POINTS_PER_SKILL = 200  # t-SNE of 1600 points takes seconds; more only thickens the clusters
 
@@ -28,7 +28,7 @@ class Clusters:
     """B transitions in the plane, with two labellings of the same names.
 
     position: (B, 2), no unit; skill: (B,) true names; cluster: (B,) names that K-means' clusters were matched
-    to; rand: adjusted Rand index, 0 for chance, 1 for the same partition; purity: share of points whose
+    to; rand: adjusted Rand index, 0 for chance, 1 for the same partition; purity: fraction of points whose
     cluster's most frequent skill is their own.
     """
 

@@ -14,18 +14,17 @@ import torch
 from numpy.typing import NDArray
 
 from camp.algo.skill import SkillPrior
+from camp.common.errors import CampError
+from camp.common.histogram import BINS
 from camp.data import Transition
-from camp.errors import CampError
-from camp.histogram import BINS
-from camp.logger import METRICS, read_metrics
-from camp.motion.clips import Clip, amp_state
-from camp.motion.gaits import GAIT_PHASES
-from camp.paths import results_folder
+from camp.gaits.schedule import GAIT_PHASES
+from camp.motion.clips.clip import Clip, amp_state
+from camp.runs.folder import ARRAYS, METRICS, results_folder
+from camp.runs.metrics import read_metrics
 
 if TYPE_CHECKING:  # camp.build imports the simulator, which figures drawn from arrays do not need
     from camp.build import Run
 
-EVALUATION_FILE = "eval.npz"
 LEAST_S = 2.0  # that an evaluation shows of each skill
 HISTOGRAM = "histogram"  # in the keys of metrics that are one
 
@@ -71,16 +70,16 @@ class ClipFeatures:
 
 def newest_run(outputs: Path) -> Path:
     """The folder below `outputs` whose evaluation was written last; AnalysisError where there is none."""
-    found = sorted(outputs.glob(f"**/{EVALUATION_FILE}"), key=lambda path: path.stat().st_mtime)
+    found = sorted(outputs.glob(f"**/{ARRAYS}"), key=lambda path: path.stat().st_mtime)
     if not found:
-        raise AnalysisError(f"no {EVALUATION_FILE} below '{outputs}': run `python -m camp.evaluate run=<folder>` first")
+        raise AnalysisError(f"no {ARRAYS} below '{outputs}': run `python -m camp.evaluate run=<folder>` first")
     return found[-1].parent
 
 
 def evaluation_folder(run: Path) -> Path:
     """Where the run's evaluation lies: for a shipped policy the user's own where there is one, else the shipped one."""
     own = results_folder(run)
-    return own if (own / EVALUATION_FILE).is_file() else run
+    return own if (own / ARRAYS).is_file() else run
 
 
 def learning_curve(folder: Path) -> list[dict[str, Any]]:
@@ -111,7 +110,7 @@ def _is_histogram(value: Any) -> bool:
 
 def switching_sequence(folder: Path) -> SwitchingSequence:
     """Read the switching roll-out from a run folder's eval.npz; AnalysisError where missing or broken."""
-    path = folder / EVALUATION_FILE
+    path = folder / ARRAYS
     remedy = f"run `python -m camp.evaluate run={folder}`"
     if not path.is_file():
         raise AnalysisError(f"'{path}' does not exist: {remedy} first")

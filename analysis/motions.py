@@ -19,12 +19,13 @@ from numpy.typing import NDArray
 from analysis.contacts import FEET, spans
 from analysis.load import AnalysisError
 from analysis.style import GAIT_COLOURS, INK, new_figure, save, style
-from camp.arguments import run_command
-from camp.motion.clips import Clip, load_clip
-from camp.motion.consistency import rotation_matrix
-from camp.motion.gaits import GAIT_PHASES, GRID_STEPS
-from camp.motion.validate import heading_velocity
-from camp.paths import assets_root
+from camp.cli.key_values import run_command
+from camp.common.paths import assets_root
+from camp.gaits.schedule import GAIT_PHASES, GRID_STEPS
+from camp.motion.clips.clip import Clip
+from camp.motion.clips.consistency import rotation_matrix
+from camp.motion.clips.store import load_clip
+from camp.motion.dataset.validate import heading_velocity
 
 SHOWN_COMMAND = "forward_0.6"  # of the steady clips that are drawn
 SHOWN_S = 1.0  # of a steady clip

@@ -17,10 +17,11 @@ from statistics import median
 import numpy as np
 
 from analysis.load import AnalysisError, evaluation_folder
-from analysis.reports import REPORT_FILE, read_report
-from camp.arguments import run_command
+from analysis.reports import read_report
+from camp.cli.key_values import run_command
 from camp.evaluation.report import Estimate, GaitSummary, Report
 from camp.metrics.statistics import Interval, seeds_interval
+from camp.runs.folder import REPORT
 
 USAGE = "python -m analysis.seeds <run folder> <run folder> ..."
 FEWEST_FOR_INTERVALS = 5
@@ -89,7 +90,7 @@ def skill_scores(reports: Sequence[Report]) -> np.ndarray | None:
 
 
 def accuracy(part: GaitSummary) -> float:
-    """Share of right walks."""
+    """Fraction of right walks."""
     return part.gait_accuracy.value if part.gait_accuracy else float("nan")
 
 
@@ -143,10 +144,10 @@ def _row(cells: Sequence[str]) -> str:
 
 
 def _gait(gait: GaitSummary) -> str:
-    return f"{_share(gait.gait_accuracy)}, {_figure(gait.frequency_hz, 2)} Hz"
+    return f"{_fraction(gait.gait_accuracy)}, {_figure(gait.frequency_hz, 2)} Hz"
 
 
-def _share(found: Estimate | None) -> str:
+def _fraction(found: Estimate | None) -> str:
     if found is None:
         return "-"
     return f"{100 * found.value:.0f} % [{100 * found.low:.0f}, {100 * found.high:.0f}] of {found.n}"
@@ -169,7 +170,7 @@ def print_tables(arguments: Sequence[str]) -> None:
     check_comparable(reports)
     order = sorted(range(len(reports)), key=lambda i: (reports[i].seed is None, reports[i].seed))
     print(as_markdown([reports[i] for i in order]))
-    print("\nread from " + ", ".join(str(evaluation_folder(folders[i]) / REPORT_FILE) for i in order))
+    print("\nread from " + ", ".join(str(evaluation_folder(folders[i]) / REPORT) for i in order))
 
 
 def main(arguments: list[str]) -> int:

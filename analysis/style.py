@@ -13,8 +13,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from camp.errors import ConfigError
-from camp.files import make_folder, whole_file
+from camp.common.errors import ConfigError
+from camp.common.files import make_folder, whole_file
 from camp.metrics.gait import NO_GAIT
 
 WIDE = (7.2, 3.4)  # inches, across a page's two columns

@@ -10,13 +10,13 @@ from rich.console import Console
 from rich.table import Table
 from torch import Tensor
 
-from camp.algo.losses import mix_rewards
 from camp.build import motion_folder
-from camp.compose import compose_config
+from camp.config.compose import compose_config
 from camp.envs.config import RewardConfig
-from camp.envs.rewards import averaged, task_rewards
-from camp.motion.clips import Clip, load_clips
-from camp.motion.gaits import GAIT_PHASES
+from camp.envs.rewards import averaged, mix_rewards, task_rewards
+from camp.gaits.schedule import GAIT_PHASES
+from camp.motion.clips.clip import Clip
+from camp.motion.clips.store import load_clips
 
 TIME_CONSTANTS = (0.0, 0.5, 1.0)  # s, of the velocity's average
 

@@ -15,7 +15,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, PercentFor
 from numpy.typing import NDArray
 
 from analysis.style import INK, TERM_COLOURS, new_figure, skill_colours, style
-from camp.histogram import EDGES
+from camp.common.histogram import EDGES
 from camp.metrics.tracking import FAST_COMMAND_M_S
 
 PAGE = (7.2, 8.2)  # inches
@@ -30,7 +30,7 @@ LAYOUT: list[Any] = [  # two rows to a panel, but for the two halves of the poli
     ["logits", "rate"],
 ]
 POLICY_LOGITS = "prior/style/logit_histogram/policy"
-VISIBLE_SHARE = 0.002  # of the policy's logits: bins that never hold as much are cut off where they are outermost
+VISIBLE_FRACTION = 0.002  # of the policy's logits: bins that never hold as much are cut off where they are outermost
 SMOOTHED_PART = 30  # the running mean reaches a 30th of the points to either side
 FEW = 10  # points, up to which each gets a mark
 COLUMNS = 4  # of a legend at most
@@ -65,12 +65,12 @@ class Curve:
 class LogitSpread:
     """How the policy's logits were spread at each of P readings.
 
-    edges: (P + 1,) environment steps in millions; a reading fills the time since the one before; share: (P, B) in
-    the bins of `camp.histogram`.
+    edges: (P + 1,) environment steps in millions; a reading fills the time since the one before; fraction: (P, B) in
+    the bins of `camp.common.histogram`.
     """
 
     edges: NDArray[np.floating]
-    share: NDArray[np.floating]
+    fraction: NDArray[np.floating]
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ def draw_curves(training: TrainingCurves) -> Figure:
         _draw_panel(panels["reward"], training, REWARD, "Reward terms, unweighted", "mean per step")
         _draw_panel(panels["error"], training, ERROR, "Velocity error", "error (m/s, rad/s)")
         _draw_panel(panels["falls"], training, [FALLS], "Falls", "falls per 1000 steps")
-        _draw_panel(panels["accuracy"], training, ACCURACY, "Discriminators", "share right")
+        _draw_panel(panels["accuracy"], training, ACCURACY, "Discriminators", "fraction right")
         _draw_logits(panels["logits"], training)
         _draw_panel(panels["kl"], training, [KL], "Policy update", "KL (nat)")
         _draw_panel(panels["rate"], training, [LEARNING_RATE], None, "learning rate")
@@ -203,7 +203,7 @@ def _draw_gaits(axes: Axes, training: TrainingCurves) -> None:
         Line(f"gait/{skill}/accuracy", _title(skill), colour, dashes[_stride_hz(skill)])
         for skill, colour in skill_colours(skills).items()
     ]
-    _draw_panel(axes, training, lines, "Robots that show the commanded skill, by foot contacts", "share of robots")
+    _draw_panel(axes, training, lines, "Robots that show the commanded skill, by foot contacts", "fraction of robots")
 
 
 def _stride_hz(skill: str) -> float:
@@ -224,13 +224,13 @@ def _draw_logits(axes: Axes, training: TrainingCurves) -> None:
 
 def _draw_spread(axes: Axes, spread: LogitSpread) -> None:
     """The policy's logits as a map, its scale in the legend's row."""
-    image = axes.pcolormesh(spread.edges, EDGES, spread.share.T, cmap="Greys", vmin=0.0, rasterized=True)
-    seen = np.flatnonzero(spread.share.max(axis=0) >= VISIBLE_SHARE)
+    image = axes.pcolormesh(spread.edges, EDGES, spread.fraction.T, cmap="Greys", vmin=0.0, rasterized=True)
+    seen = np.flatnonzero(spread.fraction.max(axis=0) >= VISIBLE_FRACTION)
     axes.set_ylim(min(EDGES[seen[0]], -1.25), max(EDGES[seen[-1] + 1], 1.25))
     axes.grid(False)
     scale = axes.inset_axes((0.62, 1.045, 0.24, 0.06))
     image.figure.colorbar(image, cax=scale, orientation="horizontal", ticks=[])
-    for x, side, text in ((-0.06, "right", "policy 0%"), (1.06, "left", f"{spread.share.max():.0%}")):
+    for x, side, text in ((-0.06, "right", "policy 0%"), (1.06, "left", f"{spread.fraction.max():.0%}")):
         scale.text(x, 0.5, text, transform=scale.transAxes, ha=side, va="center", fontsize=LEGEND["fontsize"])
 
 

@@ -6,9 +6,10 @@ import pytest
 import torch
 
 from camp.build import motion_folder
-from camp.compose import compose_config
-from camp.config import Config
-from camp.motion.clips import Clip, load_clips
+from camp.config.compose import compose_config
+from camp.config.schema import Config
+from camp.motion.clips.clip import Clip
+from camp.motion.clips.store import load_clips
 
 
 @pytest.fixture(scope="session", autouse=True)

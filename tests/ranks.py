@@ -9,7 +9,7 @@ from typing import Any
 import torch
 from torch.distributed.launcher.api import LaunchConfig, elastic_launch
 
-from camp import distributed
+from camp.common import distributed
 
 
 def in_ranks(work: Callable[[], Any], folder: Path, number: int = 2) -> list[Any]:

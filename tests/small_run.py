@@ -10,11 +10,11 @@ from omegaconf import OmegaConf
 
 from camp.algo.models import GaussianActor
 from camp.build import build_training
-from camp.checkpoint import save_run_checkpoint
-from camp.compose import compose_config
-from camp.config import as_yaml
+from camp.config.compose import compose_config
+from camp.config.resolve import as_yaml
 from camp.envs.quadruped import QuadrupedEnv
-from camp.runner import Runner
+from camp.runs.checkpoint import save_run_checkpoint
+from camp.training.runner import Runner
 
 OVERRIDES = (
     "run=smoke",
@@ -40,7 +40,7 @@ def small_run(folder: Path, overrides: Sequence[str] = ()) -> Path:
     enliven(actor)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "config.yaml").write_text(OmegaConf.to_yaml(as_yaml(config)))
-    save_run_checkpoint(folder, 7, runner.state_dict() | {"iteration": 7}, keep=1)
+    save_run_checkpoint(folder, 7, runner.state().as_dict() | {"iteration": 7}, keep=1)
     training.env.close()
     return folder
 

@@ -14,18 +14,18 @@ import pytest
 
 from camp import deploy
 from camp.build import load_run
-from camp.errors import CampError
+from camp.common.errors import CampError
+from camp.common.paths import policies_root
+from camp.deployment.export import export_policy
 from camp.evaluation.controllers import NetworkController, gains
 from camp.evaluation.plan import Planner
 from camp.evaluation.policies import contract_of_run
 from camp.evaluation.recording import Recording, record
 from camp.evaluation.rollout import Setting, roll_out
-from camp.export import export_policy
+from camp.gaits.skills import performed
 from camp.metrics.contact import debounced
 from camp.metrics.gait import measure_gait
-from camp.motion.sampler import ReferenceStates
-from camp.motion.skills import performed
-from camp.paths import policies_root
+from camp.motion.clips.sampler import ReferenceStates
 from tests.errors import assert_one_line
 from tests.evaluation.suites import evaluation
 from tests.small_run import small_run
@@ -139,10 +139,10 @@ def test_the_loop_needs_little_of_camp():
     tree = ast.parse(Path(deploy.__file__).read_text())
     modules = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module}
     assert {name for name in modules if name.startswith("camp")} == {
-        "camp.errors",
+        "camp.common.errors",
         "camp.metrics.contact",
         "camp.metrics.gait",
-        "camp.policy_metadata",
+        "camp.deployment.metadata",
         "camp.robots.go2",
     }
 

@@ -12,12 +12,13 @@ from pathlib import Path
 import pytest
 import torch
 
-from camp import onnx_graph
-from camp.arguments import run_command
 from camp.build import Run, build_env, load_run
-from camp.compose import compose_config
-from camp.export import JointTargets, export, export_policy, metadata
-from camp.onnx_graph import ExportError, policy_graph
+from camp.cli.key_values import run_command
+from camp.config.compose import compose_config
+from camp.deployment import onnx_graph
+from camp.deployment.export import JointTargets, export_policy, metadata
+from camp.deployment.onnx_graph import ExportError, policy_graph
+from camp.export import export
 from tests.small_run import environment_observations, small_run
 
 onnx = pytest.importorskip("onnx", reason="comes with the export extra")
@@ -143,7 +144,7 @@ def test_a_policy_that_answers_no_numbers_is_refused(run, loaded, tmp_path, monk
     broken = copy.deepcopy(loaded)
     with torch.no_grad():
         broken.actor.network[0].weight.fill_(float("nan"))
-    monkeypatch.setattr("camp.export.load_run", lambda folder: broken)
+    monkeypatch.setattr("camp.deployment.export.load_run", lambda folder: broken)
     with pytest.raises(ExportError, match="its joint targets are not finite; export a run whose training held"):
         export_policy(run, tmp_path / "never")
     assert not (tmp_path / "never").exists()

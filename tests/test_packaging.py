@@ -16,7 +16,7 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from camp.paths import ablation_root, assets_root, config_root, repository_root
+from camp.common.paths import ablation_root, assets_root, config_root, repository_root
 
 ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]

@@ -10,16 +10,18 @@ import numpy as np
 import pytest
 import torch
 
-from camp import paths
-from camp.arguments import run_command
 from camp.build import Run, load_run
-from camp.checkpoint import load_checkpoint
-from camp.errors import CampError, ConfigError
+from camp.cli.key_values import run_command
+from camp.common import paths
+from camp.common.errors import CampError, ConfigError
+from camp.common.paths import policies_root
+from camp.deployment.package import ship_policy
+from camp.deployment.provenance import condensed
 from camp.evaluation.report import Finding, TableI, as_json
-from camp.logger import read_metrics
-from camp.paths import policies_root, results_folder
-from camp.provenance import condensed
-from camp.ship import ship, ship_policy
+from camp.runs.checkpoint import load_checkpoint
+from camp.runs.folder import results_folder
+from camp.runs.metrics import read_metrics
+from camp.ship import ship
 from tests.errors import assert_one_line
 from tests.evaluation.reports import gait_summary, policy_summary, report, switching_summary
 from tests.small_run import small_run

@@ -15,12 +15,12 @@ from hydra.core.plugins import Plugins
 from omegaconf import OmegaConf
 from torch.distributed.run import get_args_parser
 
-from camp import distributed
 from camp.build import share_of_rank
-from camp.cli import run_hydra
-from camp.compose import register_ablations
-from camp.config import resolve
-from camp.paths import config_root
+from camp.cli.hydra_main import run_hydra
+from camp.common import distributed
+from camp.common.paths import config_root
+from camp.config.compose import register_ablations
+from camp.config.resolve import resolve
 from camp.train import train
 from tests.test_train import QUIET, TINY, environment, error_line, metrics_of, runs_in
 
@@ -108,7 +108,7 @@ def test_a_missing_launcher_names_what_to_install(preset, base, package, tmp_pat
 
 
 def test_a_bug_outside_a_sweep_stays_a_bug(monkeypatch):
-    monkeypatch.setattr("camp.cli.hydra.main", lambda **_: lambda job: lambda: 1 // 0)
+    monkeypatch.setattr("camp.cli.hydra_main.hydra.main", lambda **_: lambda job: lambda: 1 // 0)
     with pytest.raises(ZeroDivisionError):
         run_hydra("train", train, [])
 

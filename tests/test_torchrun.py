@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 import torch
 
-from camp import distributed
 from camp.build import build_training
-from camp.checkpoint import load_checkpoint
-from camp.compose import compose_config
-from camp.runner import Runner
+from camp.common import distributed
+from camp.config.compose import compose_config
+from camp.runs.checkpoint import load_checkpoint
+from camp.training.runner import Runner
 from tests.algo.synthetic import assert_identical
 from tests.errors import assert_one_line
 from tests.ranks import in_ranks

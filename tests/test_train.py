@@ -14,9 +14,9 @@ from pathlib import Path
 import pytest
 
 from camp.build import motion_folder
-from camp.cli import run_hydra
-from camp.compose import compose_config
-from camp.config import load_run_config
+from camp.cli.hydra_main import run_hydra
+from camp.config.compose import compose_config
+from camp.config.resolve import load_run_config
 from camp.train import train
 
 TINY = ["sim.num_envs=8", "sim.threads=1", "run.rollout_steps=8", "motion.num_preloaded=400"]
@@ -102,7 +102,7 @@ def error_line(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
         ("run=smok", ("smok", "smoke")),
         ("algo.stile.weight=1", ("algo.stile", "algo.style")),
         ("sim.num_envs=none", ("sim.num_envs", "none")),
-        ("algo.ppo.clip=-1", ("algo.ppo.clip", "-1", "above 0")),
+        ("algo.ppo.clip_param=-1", ("algo.ppo.clip_param", "-1", "above 0")),
         ("motion.skills=[trot,canter]", ("canter", "pronk")),
         ("motion.folder=/nowhere/clips", ("/nowhere/clips", "camp.dataset")),
         ("device=cuda:99", ("cuda:99", "cpu")),

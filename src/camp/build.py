@@ -3,36 +3,39 @@
 from __future__ import annotations
 
 import copy
-import operator
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import torch
 from torch import nn
 
-from camp import distributed
 from camp.algo.models import Critic, GaussianActor, SkillEmbedding, set_precision
 from camp.algo.ppo import PPO
 from camp.algo.prior import Prior
 from camp.algo.skill import SkillPrior
 from camp.algo.style import StylePrior
-from camp.checkpoint import MISFITS, latest_checkpoint, load_checkpoint, misfit
-from camp.config import Config, SimConfig, learner_device, load_run_config, simulator_device
+from camp.common import distributed
+from camp.common.errors import ConfigError
+from camp.common.paths import assets_root
+from camp.common.seeding import generator
+from camp.common.threads import threads_of_process
+from camp.config.devices import learner_device, simulator_device
+from camp.config.resolve import load_run_config
+from camp.config.schema import Config
 from camp.envs.measurement import AMP_STATE_SIZE
 from camp.envs.observations import actor_entries, privileged_entries, size
 from camp.envs.quadruped import QuadrupedEnv
-from camp.errors import CheckpointError, ConfigError
-from camp.motion.clips import Clip, load_clips
-from camp.motion.sampler import Demonstrations, ReferenceStates
-from camp.motion.skills import label_of, names
-from camp.paths import assets_root
+from camp.gaits.skills import label_of, names
+from camp.motion.clips.clip import Clip
+from camp.motion.clips.sampler import Demonstrations, ReferenceStates
+from camp.motion.clips.store import load_clips
 from camp.robots import go2
-from camp.seeding import generator
+from camp.runs.checkpoint import INCOMPATIBLE, incompatible
+from camp.runs.state import load_state
 from camp.sim.base import Simulator
 from camp.sim.choice import warp_installed
+from camp.sim.config import SimConfig
 from camp.sim.cpu import CpuSimulator
-from camp.threads import threads_of_process
 
 
 @dataclass
@@ -172,35 +175,20 @@ def load_run(folder: Path) -> Run:
     Raises CampError where it is missing, damaged or holds values that are not finite.
     """
     config = load_run_config(folder)
-    state = load_checkpoint(folder)
+    state = load_state(folder)
     skills = names(config.motion.skill_set())
     weights = generator(config.seed, "weights")
     actor = build_actor(config, weights)
     skill_prior = None
     try:
-        iteration = operator.index(state["iteration"])
-        actor.load_state_dict(state["ppo"]["actor"])
-        if "skill" in state["priors"]:
+        actor.load_state_dict(state.actor)
+        if state.skill_prior is not None:
             embedding = SkillEmbedding(len(skills), config.algo.embedding_size, weights)
             skill_prior = SkillPrior(config.algo.skill, embedding, skills, AMP_STATE_SIZE, weights)
-            skill_prior.load_state_dict(state["priors"]["skill"])
-    except MISFITS as error:
-        raise misfit(folder, error) from error
-    _check_finite("policy", [actor], folder)
-    _check_finite("skill discriminator", skill_prior.networks() if skill_prior else [], folder)
-    return Run(config, iteration, actor, skills, skill_prior, expert_clips(config))
-
-
-def _check_finite(name: str, networks: Sequence[nn.Module], folder: Path) -> None:
-    """Training that diverged leaves networks that answer NaN, which no comparison would notice."""
-    for network in networks:
-        for key, values in network.state_dict().items():
-            if not values.isfinite().all():
-                checkpoint = latest_checkpoint(folder)
-                raise CheckpointError(
-                    f"run folder {folder}: the {name} in {checkpoint.name} holds values that are not finite ({key}); "
-                    "move that file away to use the checkpoint before it, or train anew"
-                )
+            skill_prior.load_state_dict(state.skill_prior)
+    except INCOMPATIBLE as error:
+        raise incompatible(folder, error) from error
+    return Run(config, state.iteration, actor, skills, skill_prior, expert_clips(config))
 
 
 def _check_period(config: Config, clips: list[Clip]) -> None:

@@ -20,18 +20,19 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from camp.errors import CampError, ClipError
-from camp.motion.card import dataset_card, write_card
-from camp.motion.clips import Clip, load_clip
-from camp.motion.consistency import ClipCheck
-from camp.motion.diagnose import find_cause
-from camp.motion.exchange_cli import COMMANDS as EXCHANGE
-from camp.motion.exchange_cli import add_exchange, run_exchange
-from camp.motion.generate import generate_dataset
-from camp.motion.report import quality_table
-from camp.motion.requests import ClipRequest, perturbed_requests, shipped_requests
-from camp.motion.validate import check_clip
-from camp.paths import assets_root
+from camp.common.errors import CampError, ClipError
+from camp.common.paths import assets_root
+from camp.motion.clips.clip import Clip
+from camp.motion.clips.consistency import ClipCheck
+from camp.motion.clips.store import load_clip
+from camp.motion.dataset.card import dataset_card, write_card
+from camp.motion.dataset.diagnose import find_cause
+from camp.motion.dataset.generate import generate_dataset
+from camp.motion.dataset.report import quality_table
+from camp.motion.dataset.requests import ClipRequest, perturbed_requests, shipped_requests
+from camp.motion.dataset.validate import check_clip
+from camp.motion.exchange.cli import COMMANDS as EXCHANGE
+from camp.motion.exchange.cli import add_exchange, run_exchange
 
 TABLE_WIDTH = 220  # characters, where the output is not a terminal
 

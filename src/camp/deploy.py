@@ -21,10 +21,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from camp.errors import CampError
+from camp.common.errors import CampError
+from camp.deployment.metadata import read_metadata
 from camp.metrics.contact import debounced
 from camp.metrics.gait import measure_gait
-from camp.policy_metadata import read_metadata
 from camp.robots.go2 import CONTACT_FORCE, FOOT_NAMES, MODEL_PATH
 
 Array = NDArray[np.float32]

@@ -8,31 +8,29 @@ from pathlib import Path
 from omegaconf import DictConfig
 
 from camp.build import load_run
-from camp.cli import run_hydra
+from camp.cli.hydra_main import run_hydra
+from camp.common.files import make_folder
 from camp.evaluation.config import resolve_evaluation
+from camp.evaluation.evaluator import Evaluator
 from camp.evaluation.films import film
-from camp.evaluation.judge import Judge
 from camp.evaluation.output import expert_motions, print_report, step_counter, write_judgement
 from camp.evaluation.record import log_evaluation
 from camp.evaluation.subjects import subject_of_run
-from camp.files import make_folder
-from camp.paths import results_folder
-
-VIDEOS = "videos"  # folder of the mp4s
+from camp.runs.folder import ARRAYS, REPORT, VIDEOS, results_folder
 
 
 def evaluate(composed: DictConfig) -> Path:
-    """Judge the run's policy, beside three that do not walk; print tables, write eval.json, eval.npz and videos."""
+    """Evaluator the run's policy, beside three that do not walk; print tables, write eval.json, eval.npz and videos."""
     evaluation = resolve_evaluation(composed)
     run = load_run(Path(evaluation.run))
     folder = make_folder(results_folder(Path(evaluation.run)))
     if evaluation.video:
         make_folder(folder / VIDEOS)
     subject = subject_of_run(run, Path(evaluation.run), folder.resolve().name, evaluation.baselines)
-    judgement = Judge(evaluation, expert_motions(), step_counter()).judge(subject)
+    judgement = Evaluator(evaluation, expert_motions(), step_counter()).judge(subject)
     write_judgement(folder, judgement)
     print_report(judgement.report)
-    print(f"wrote {folder / 'eval.json'} and {folder / 'eval.npz'}", flush=True)
+    print(f"wrote {folder / REPORT} and {folder / ARRAYS}", flush=True)
     videos = film(judgement, run.skills, evaluation, folder / VIDEOS) if evaluation.video else {}
     log_evaluation(run, folder, judgement.report, videos)
     return folder

@@ -9,9 +9,9 @@ import numpy as np
 import torch
 
 from camp.build import build_env, expert_clips
-from camp.compose import compose_config
-from camp.rendering import RobotRenderer
+from camp.config.compose import compose_config
 from camp.robots.go2 import load_model
+from camp.sim.rendering import RobotRenderer
 
 
 class Go2Env(gym.Env):

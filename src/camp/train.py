@@ -14,20 +14,24 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
 from omegaconf import DictConfig
 
-from camp import distributed
 from camp.build import Training, build_training
-from camp.checkpoint import MISFITS, load_checkpoint, misfit
-from camp.cli import new_run_folder, run_hydra
-from camp.config import Config, as_yaml, load_run_config, resolve
-from camp.errors import CheckpointError, ConfigError
-from camp.files import write_text
-from camp.logger import NoLogger, RunIdentity, RunLogger
-from camp.progress import Progress
-from camp.runner import Runner
-from camp.seeding import seed_everything
+from camp.cli.hydra_main import run_hydra
+from camp.common import distributed
+from camp.common.errors import CheckpointError, ConfigError
+from camp.common.files import write_text
+from camp.common.seeding import seed_everything
+from camp.common.threads import set_threads
+from camp.config.resolve import as_yaml, load_run_config, resolve
+from camp.config.schema import Config
+from camp.runs.checkpoint import INCOMPATIBLE, incompatible
+from camp.runs.folder import IMITATION, new_run_folder
+from camp.runs.logger import NoLogger, RunLogger
+from camp.runs.state import TrainingState, load_state
+from camp.runs.wandb_run import RunIdentity
 from camp.sim.choice import AUTO, why_no_gpu
-from camp.threads import set_threads
-from camp.warm_start import keep_imitating, warm_start
+from camp.training.progress import Progress
+from camp.training.runner import Runner
+from camp.training.warm_start import keep_imitating, warm_start
 
 
 def train(composed: DictConfig) -> Path:
@@ -52,7 +56,7 @@ def _train(config: Config) -> Path:
         runner.start()
         with _logger(runner) as logger:
             if distributed.is_first():
-                write_text(runner.folder / "imitation.jsonl", "".join(json.dumps(row) + "\n" for row in imitation))
+                write_text(runner.folder / IMITATION, "".join(json.dumps(row) + "\n" for row in imitation))
             runner.save()
             _run(runner, logger)
     return runner.folder
@@ -77,9 +81,9 @@ def resume(folder: Path, overrides: Sequence[str]) -> Path:
                 "only run.iterations and logger.* may change; leave it out, or start a new run"
             )
     config = load_run_config(folder, changes)
-    checkpoint = load_checkpoint(folder)
-    _check_ranks(checkpoint, folder)
-    if checkpoint["iteration"] >= config.run.iterations:
+    state = load_state(folder)
+    _check_ranks(state, folder)
+    if state.iteration >= config.run.iterations:
         distributed.announce(
             f"{folder} has all its {config.run.iterations} iterations; add more with run.iterations=<number>"
         )
@@ -87,7 +91,7 @@ def resume(folder: Path, overrides: Sequence[str]) -> Path:
     with _training(config) as training:
         keep_imitating(training, config)
         runner = Runner(training, config, folder)
-        _restore(runner, checkpoint)
+        _restore(runner, state)
         with _logger(runner, resume_from=runner.iteration) as logger:
             _run(runner, logger)
     return folder
@@ -141,14 +145,19 @@ def _preloaded(training: Training) -> str:
     return f"{len(demonstrations):,} ({demonstrations.memory_bytes / 2**20:.0f} MiB)"
 
 
-def _check_ranks(checkpoint: dict, folder: Path) -> None:
+def _check_ranks(state: TrainingState, folder: Path) -> None:
     """Every rank continues its own episodes and random streams, so there must be as many as when it was saved."""
-    if not {"ranks", "alarms"} <= checkpoint.keys():
+    if state.is_shipped:
+        raise CheckpointError(
+            f"run folder {folder}: a shipped policy holds nothing to continue the training from; continue the run that "
+            "it was made of, or train anew"
+        )
+    if not state.ranks or not state.alarms:
         raise CheckpointError(
             f"run folder {folder}: its checkpoint is of an earlier camp, which can be evaluated but not continued; "
             "continue it with the commit in its versions.json, or train anew"
         )
-    saved, here = len(checkpoint["ranks"]), distributed.size()
+    saved, here = len(state.ranks), distributed.size()
     if saved != here:
         raise CheckpointError(
             f"run folder {folder}: it was trained by {saved} process{'es' * (saved > 1)}, and here are {here}; "
@@ -156,11 +165,11 @@ def _check_ranks(checkpoint: dict, folder: Path) -> None:
         )
 
 
-def _restore(runner: Runner, checkpoint: dict) -> None:
+def _restore(runner: Runner, state: TrainingState) -> None:
     try:
-        runner.load_state_dict(checkpoint)
-    except MISFITS as error:
-        raise misfit(runner.folder, error) from error
+        runner.restore(state)
+    except INCOMPATIBLE as error:
+        raise incompatible(runner.folder, error) from error
 
 
 @contextmanager

@@ -9,10 +9,10 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from camp import distributed
 from camp.algo import skill, style
 from camp.algo.losses import gradient_penalty
 from camp.algo.ppo import PPO, minibatches
+from camp.common import distributed
 from camp.data import Rollout, Transition, concatenate
 from tests.algo.synthetic import STATE_SIZE, four_corners, make_ppo, make_rollout, make_skill, make_style, rng
 

@@ -7,7 +7,7 @@ from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from camp.algo.config import AlgoConfig
-from camp.errors import ConfigError
+from camp.common.errors import ConfigError
 from tests.algo.synthetic import CONF, shipped_config
 
 
@@ -26,11 +26,11 @@ def test_shipped_config_is_complete_and_valid():
         ("actor.initial_std", 5.0),
         ("actor.min_std", 0.0),
         ("critic.hidden", [64, 0]),
-        ("ppo.discount", 1.01),
-        ("ppo.trace", -0.1),
-        ("ppo.clip", 0.0),
-        ("ppo.value_clip", -1.0),
-        ("ppo.entropy", float("nan")),
+        ("ppo.gamma", 1.01),
+        ("ppo.gae_lambda", -0.1),
+        ("ppo.clip_param", 0.0),
+        ("ppo.value_clip_param", -1.0),
+        ("ppo.entropy_coef", float("nan")),
         ("ppo.epochs", 0),
         ("ppo.minibatches", 0),
         ("ppo.learning_rate", 1.0),
@@ -45,7 +45,7 @@ def test_shipped_config_is_complete_and_valid():
         ("style.gradient_penalty", -1.0),
         ("style.replay_size", -1),
         ("style.input_noise", -0.1),
-        ("style.mismatch_share", 1.0),
+        ("style.mismatch_fraction", 1.0),
         ("skill.weight", float("nan")),
         ("skill.gradient_penalty", -0.1),
         ("skill.batch_size", 0),
@@ -69,8 +69,8 @@ def test_out_of_range_names_key_value_and_remedy(key: str, value: object):
 
 def test_wrong_labels_need_conditioning():
     config = shipped_config()
-    config.style.conditional, config.style.mismatch_share = False, 0.25
-    with pytest.raises(ConfigError, match=r"algo\.style\.mismatch_share = 0\.25.*conditional"):
+    config.style.conditional, config.style.mismatch_fraction = False, 0.25
+    with pytest.raises(ConfigError, match=r"algo\.style\.mismatch_fraction = 0\.25.*conditional"):
         config.check()
 
 

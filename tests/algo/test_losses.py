@@ -14,17 +14,6 @@ from tests.algo.synthetic import rng
 T = torch.tensor
 
 
-def test_mix_is_the_weighted_sum_of_the_terms_present():
-    terms = {"task": T([1.0, 2.0]), "style": T([0.5, 0.0]), "skill": T([-1.0, 1.0])}
-    mixed = losses.mix_rewards(terms, {"task": 1.0, "style": 2.0, "skill": 0.3, "unused": 9.0})
-    torch.testing.assert_close(mixed, T([1.7, 2.3]))
-
-
-def test_mix_refuses_a_term_without_a_weight():
-    with pytest.raises(KeyError):
-        losses.mix_rewards({"task": T([1.0])}, {})
-
-
 def test_lsgan_targets_are_plus_and_minus_one():
     assert losses.lsgan_loss(T([1.0, 1.0]), T([-1.0])).item() == 0.0
     # expert: mean of (0-1)^2 and (3-1)^2 = 2.5; policy: (1+1)^2 = 4
@@ -118,8 +107,8 @@ def test_gae_worked_by_hand():
         next_value=column(2.0, 4.0, float("nan"), 2.0),
         terminated=column(False, False, True, False),
         truncated=column(False, True, False, False),
-        discount=0.5,
-        trace=0.5,
+        gamma=0.5,
+        gae_lambda=0.5,
     )
     assert advantage.squeeze(1).tolist() == [1.5, 2.0, 2.0, 3.0]
     assert return_.squeeze(1).tolist() == [2.5, 3.0, 3.0, 4.0]
@@ -129,14 +118,14 @@ def test_gae_with_full_trace_is_the_discounted_return():
     reward = torch.randn(6, 3, generator=rng())
     value = torch.randn(7, 3, generator=rng(1))
     never = torch.zeros(6, 3, dtype=torch.bool)
-    _, return_ = losses.gae(reward, value[:-1], value[1:], never, never, discount=0.9, trace=1.0)
+    _, return_ = losses.gae(reward, value[:-1], value[1:], never, never, gamma=0.9, gae_lambda=1.0)
     expected = sum((0.9**t * reward[t] for t in range(6)), 0.9**6 * value[6])
     torch.testing.assert_close(return_[0], expected)
 
 
 def test_a_step_both_terminated_and_truncated_counts_as_terminated():
     yes, zero = torch.ones(1, 1, dtype=torch.bool), torch.zeros(1, 1)
-    advantage, _ = losses.gae(zero, zero, zero + 9.0, yes, yes, discount=0.9, trace=0.9)
+    advantage, _ = losses.gae(zero, zero, zero + 9.0, yes, yes, gamma=0.9, gae_lambda=0.9)
     assert advantage.item() == 0.0
 
 

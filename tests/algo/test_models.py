@@ -15,7 +15,7 @@ from camp.algo.models import (
     SkillDiscriminator,
     SkillEmbedding,
 )
-from camp.errors import ConfigError
+from camp.common.errors import ConfigError
 from tests.algo.synthetic import rng, shipped_config
 
 

@@ -175,7 +175,7 @@ def bandit_reward(ppo: PPO, generator: torch.Generator, envs: int = 256) -> tupl
 
 
 def test_learns_a_contextual_bandit():
-    ppo = make_ppo(sizes=(2, 1, 2), max_learning_rate=1e-2, learning_rate=3e-3, entropy=0.0)
+    ppo = make_ppo(sizes=(2, 1, 2), max_learning_rate=1e-2, learning_rate=3e-3, entropy_coef=0.0)
     generator = rng(7)
     rewards, metrics = [], {}
     for _ in range(80):

@@ -10,9 +10,9 @@ import torch
 from camp.algo.losses import style_reward
 from camp.algo.models import SkillEmbedding
 from camp.algo.style import StylePrior
+from camp.common.errors import ConfigError
+from camp.common.histogram import EDGES
 from camp.data import Transition, concatenate
-from camp.errors import ConfigError
-from camp.histogram import EDGES
 from tests.algo.synthetic import (
     SKILLS,
     STATE_SIZE,
@@ -71,7 +71,7 @@ def wrong_label_gap(prior: StylePrior) -> float:
 
 
 def test_expert_motion_under_a_wrong_label_is_rejected_once_it_has_been_shown():
-    shown, never = make_style(mismatch_share=0.5), make_style()
+    shown, never = make_style(mismatch_fraction=0.5), make_style()
     for i in range(60):
         # A policy that performs every skill as commanded, but lifted along an axis that no expert uses: the
         # label is no help against it, so nothing forces D to listen to z. That is what the option is for.
@@ -156,7 +156,7 @@ def test_input_noise_reaches_both_sides():
 
 
 def test_restored_prior_continues_bit_for_bit():
-    options = {"replay_size": 300, "input_noise": 0.1, "mismatch_share": 0.2}
+    options = {"replay_size": 300, "input_noise": 0.1, "mismatch_fraction": 0.2}
     prior = make_style(**options)
     train(prior, range(2))
     saved, memory = copy.deepcopy(prior.state_dict()), copy.deepcopy(prior.memory())
@@ -169,8 +169,8 @@ def test_restored_prior_continues_bit_for_bit():
 
 
 def test_mismatch_needs_a_second_skill():
-    with pytest.raises(ConfigError, match="mismatch_share"):
-        StylePrior(style_config(mismatch_share=0.5), SkillEmbedding(1, 8, rng()), ("trot",), STATE_SIZE, rng())
+    with pytest.raises(ConfigError, match="mismatch_fraction"):
+        StylePrior(style_config(mismatch_fraction=0.5), SkillEmbedding(1, 8, rng()), ("trot",), STATE_SIZE, rng())
 
 
 def test_embedding_similarity_is_the_largest_cosine_between_skills():

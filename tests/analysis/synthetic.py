@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from analysis.load import ClipFeatures
-from camp.motion.gaits import GAIT_PHASES
+from camp.gaits.schedule import GAIT_PHASES
 
 PERIOD = 0.02  # s
 COMMANDS = ((0.5, 0.0, 0.0), (0.0, 0.3, 0.0))  # vx, vy, wz

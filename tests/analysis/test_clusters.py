@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from analysis.clusters import compute_clusters, draw_clusters, sample_transitions
 from analysis.style import GAIT_COLOURS, save, skill_shades
-from camp.motion.skills import skill_set
+from camp.gaits.skills import skill_set
 from tests.analysis.synthetic import clip_features
 
 

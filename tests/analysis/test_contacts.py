@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from analysis.contacts import Span, compute_diagram, draw_diagram, spans
 from analysis.load import SwitchingSequence
 from analysis.style import save
-from camp.motion.gaits import GAIT_PHASES
+from camp.gaits.schedule import GAIT_PHASES
 
 PERIOD = 0.02  # s
 

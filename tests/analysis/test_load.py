@@ -24,10 +24,10 @@ from analysis.load import (
 )
 from camp.algo.models import SkillEmbedding
 from camp.algo.skill import SkillPrior
+from camp.common.errors import CampError
 from camp.data import Transition
-from camp.errors import CampError
-from camp.motion.clips import Clip, amp_state
-from camp.motion.gaits import GaitSchedule
+from camp.gaits.schedule import GaitSchedule
+from camp.motion.clips.clip import Clip, amp_state
 from tests.algo.synthetic import shipped_config
 from tests.analysis.synthetic import metrics, write_evaluation, write_metrics
 

@@ -9,10 +9,10 @@ import pytest
 
 import analysis.__main__ as command
 from analysis.load import NoLatentSpaceError
-from camp import paths
-from camp.motion.gaits import GAIT_PHASES
-from camp.motion.skills import skill_set
-from camp.provenance import condensed
+from camp.deployment.provenance import condensed
+from camp.gaits.schedule import GAIT_PHASES
+from camp.gaits.skills import skill_set
+from camp.runs import folder as run_folders
 from tests.analysis.synthetic import clip_features, metrics, write_evaluation, write_metrics
 from tests.errors import assert_one_line
 
@@ -71,7 +71,7 @@ def test_a_run_that_was_not_evaluated_has_its_learning_curves(folder, capsys):
 def test_a_shipped_policy_stays_as_it_is(folder, tmp_path, monkeypatch, capsys):
     policies = tmp_path / "policies"
     shipped = write_metrics(write_evaluation(policies / "go2_camp"), condensed(metrics(600)))
-    monkeypatch.setattr(paths, "policies_root", lambda: policies)
+    monkeypatch.setattr(run_folders, "policies_root", lambda: policies)
     monkeypatch.setattr(command, "policies_root", lambda: policies)
     monkeypatch.setattr(command, "draw_latent_space", lambda folder: [])
     monkeypatch.chdir(tmp_path)

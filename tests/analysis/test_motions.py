@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from analysis.motions import EXAMPLES, compute_traces, draw_examples, draw_gait, draw_motions, main
-from camp.motion.clips import load_clip
-from camp.paths import assets_root
+from camp.common.paths import assets_root
+from camp.motion.clips.store import load_clip
 
 FOLDER = assets_root() / "motions" / "go2"
 

@@ -10,16 +10,16 @@ import pytest
 
 from analysis.reports import read_report
 from analysis.seeds import FEWEST_FOR_INTERVALS, main, target_rows
+from camp.common.paths import policies_root
 from camp.evaluation.report import Finding, Report, SuiteStamp, write_report
-from camp.evaluation.values import share
-from camp.paths import policies_root
+from camp.evaluation.values import fraction
 from tests.evaluation.reports import gait_summary, policy_summary
 from tests.evaluation.reports import report as empty
 
 
 def report(seed: int, right: int, error: float | None, **changes) -> Report:
     """80 trots, of which some are right."""
-    skills = {"trot": gait_summary(share(np.arange(80) < right), 80)}
+    skills = {"trot": gait_summary(fraction(np.arange(80) < right), 80)}
     verdict = [
         Finding("gait accuracy", 0.95, True, right / 80, 0.9, 1.0, 80, "shown" if right == 80 else "not shown"),
         Finding("velocity error, m/s", 0.15, False, error, None, None, 80, "missed"),

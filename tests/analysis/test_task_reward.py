@@ -10,8 +10,8 @@ import pytest
 
 from analysis.task_reward import reward_of, reward_of_standing
 from camp.build import motion_folder
-from camp.compose import compose_config
-from camp.motion.clips import load_clip
+from camp.config.compose import compose_config
+from camp.motion.clips.store import load_clip
 
 REWARD = compose_config([]).env.reward
 

@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 
 from analysis.style import GAIT_COLOURS
 from analysis.training import compute_curves, draw_curves, running_mean
-from camp.histogram import EDGES
-from camp.motion.gaits import GAIT_PHASES
-from camp.provenance import condensed
+from camp.common.histogram import EDGES
+from camp.deployment.provenance import condensed
+from camp.gaits.schedule import GAIT_PHASES
 from tests.analysis.synthetic import metrics
 
 PANELS = ("gait", "reward", "error", "falls", "accuracy", "logits", "kl", "rate")
@@ -48,7 +48,7 @@ def test_what_a_row_lacks_is_no_point():
 
 def test_a_reading_of_logits_fills_the_time_since_the_one_before():
     spread = compute_curves(metrics(15)).spread
-    assert spread is not None and spread.share.shape == (3, 24)
+    assert spread is not None and spread.fraction.shape == (3, 24)
     np.testing.assert_allclose(spread.edges, [0.0, 0.05, 0.10, 0.15])
     late = compute_curves([row for row in metrics(30) if row["iteration"] > 15]).spread
     assert late is not None
@@ -59,7 +59,7 @@ def test_a_condensed_curve_tells_the_same():
     whole, short = compute_curves(metrics(600)), compute_curves(condensed(metrics(600)))
     assert whole.curves.keys() == short.curves.keys()
     assert len(short.curves["reward/task/raw"].steps) == 200
-    assert short.spread is not None and short.spread.share[:, 13].min() == 1.0
+    assert short.spread is not None and short.spread.fraction[:, 13].min() == 1.0
 
 
 def test_skills_are_told_apart_by_colour_and_dashes():

@@ -9,11 +9,11 @@ import torch
 from torch.utils._python_dispatch import TorchDispatchMode
 
 from camp.build import build_env, build_training
-from camp.collector import Collector
-from camp.compose import compose_config
-from camp.config import Config
-from camp.gait_monitor import GaitMonitor
-from camp.motion.clips import Clip
+from camp.config.compose import compose_config
+from camp.config.schema import Config
+from camp.motion.clips.clip import Clip
+from camp.training.collector import Collector
+from camp.training.gait_monitor import GaitMonitor
 
 pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed; it comes with the gpu and dev extras")
 

@@ -9,8 +9,7 @@ import numpy as np
 import torch
 
 from camp.envs.measurement import AMP_STATE_SIZE, measure, rotate, rotate_inverse
-from camp.envs.rewards import angular_velocity_reward, averaged, linear_velocity_reward
-from camp.motion.clips import amp_state
+from camp.motion.clips.clip import amp_state
 from camp.robots import go2
 from camp.sim.base import RobotState
 
@@ -79,18 +78,3 @@ def test_amp_state_of_a_clip_is_the_environments(clips):
     state = measure(state_of(position, velocity)).amp_state()[0].numpy()
     assert state.shape == (AMP_STATE_SIZE,)
     np.testing.assert_allclose(state, amp_state(clip)[row], atol=2e-5)
-
-
-def test_task_rewards_by_hand():
-    command = torch.tensor([[0.5, 0.0, 0.3], [0.3, 0.4, 0.0]])
-    velocity = torch.tensor([[0.5, 0.0, 9.0], [0.0, 0.0, 9.0]])  # errors 0 and .5 m/s; z does not count
-    torch.testing.assert_close(
-        linear_velocity_reward(command, velocity, 0.15), torch.tensor([1.0, math.exp(-0.5 / 0.15)])
-    )
-    for time_constant, share in ((0.0, 1.0), (0.02, 1.0), (0.1, 0.2)):
-        average = averaged(torch.zeros(2, 3), velocity, 0.02, time_constant)
-        torch.testing.assert_close(average, share * velocity)
-    rate = torch.tensor([[9.0, 9.0, 0.0], [9.0, 9.0, 0.15]])  # errors .3 and .15 rad/s
-    torch.testing.assert_close(
-        angular_velocity_reward(command, rate, 0.15), torch.tensor([math.exp(-2.0), math.exp(-1.0)])
-    )

@@ -9,11 +9,11 @@ import pytest
 import torch
 
 from camp.build import build_env
-from camp.config import Config
+from camp.config.schema import Config
 from camp.envs.commands import sample_commands
 from camp.envs.measurement import measure
 from camp.envs.quadruped import STARTS_PERIOD_S, QuadrupedEnv
-from camp.motion.clips import Clip, amp_state
+from camp.motion.clips.clip import Clip, amp_state
 from camp.robots import go2
 from camp.sim.base import Dynamics
 
@@ -62,7 +62,7 @@ def test_hidden_skill_leaves_zeros(config, clips):
 
 
 def test_reference_state_initialization_starts_in_a_clip(config, clips):
-    config.env.initialization.reference_share = 1.0
+    config.env.initialization.reference_fraction = 1.0
     env = make(config, clips)
     for robot in range(8):
         skill = config.motion.skills[int(env.skill[robot])]
@@ -71,7 +71,7 @@ def test_reference_state_initialization_starts_in_a_clip(config, clips):
 
 
 def test_standing_start_is_at_rest_on_the_ground(config, clips):
-    config.env.initialization.reference_share = 0.0
+    config.env.initialization.reference_fraction = 0.0
     env = make(config, clips)
     state = env.sim.state
     assert (state.joint_velocity == 0).all() and (env.last_action == 0).all()
@@ -132,8 +132,8 @@ def test_commands_stay_in_range_and_some_are_zero(config):
     command = sample_commands(4000, config.env.command, torch.Generator().manual_seed(0))
     for i, (low, high) in enumerate([(-0.4, 0.9), (-0.25, 0.25), (-0.6, 0.6)]):
         assert command[:, i].min() >= low and command[:, i].max() <= high
-        share = (command[:, i] == 0).float().mean()
-        assert share == pytest.approx(1 - (1 - 0.4) * (1 - 0.05), abs=0.03)
+        fraction = (command[:, i] == 0).float().mean()
+        assert fraction == pytest.approx(1 - (1 - 0.4) * (1 - 0.05), abs=0.03)
 
 
 def test_randomization_covers_table_one(config, clips):
@@ -156,7 +156,7 @@ def test_randomization_covers_table_one(config, clips):
 
 
 def test_a_reset_can_set_the_dynamics_of_every_robot(config, clips):
-    config.env.initialization.reference_share = 0.0
+    config.env.initialization.reference_fraction = 0.0
     config.env.initialization.joint_position_scale = [1.0, 1.0]
     env = make(config, clips)
     dynamics = Dynamics.nominal(8, 0.8, env.sim.device)
@@ -217,7 +217,7 @@ def test_a_diverged_simulation_ends_its_episode_and_stays_finite(config, clips):
 
 
 def test_starts_are_drawn_anew_on_a_clock(config, clips):
-    config.env.randomization.enabled, config.env.initialization.reference_share = True, 1.0
+    config.env.randomization.enabled, config.env.initialization.reference_fraction = True, 1.0
     config.env.episode_s = STARTS_PERIOD_S
     env = make(config, clips)
     steps = round(STARTS_PERIOD_S / 0.02)

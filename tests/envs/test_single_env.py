@@ -10,7 +10,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import camp.envs  # noqa: F401 - registers camp/Go2-v0
-from camp.errors import CampError
+from camp.common.errors import CampError
 from camp.single_env import Go2Env
 
 

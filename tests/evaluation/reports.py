@@ -47,9 +47,9 @@ def tracking_summary(linear: Estimate | None, angular: Estimate | None) -> Track
     return TrackingSummary({}, {}, linear, angular)
 
 
-def switching_summary(established: Estimate | None, falls: int, sequences: int) -> SwitchingSummary:
+def switching_summary(completed: Estimate | None, falls: int, sequences: int) -> SwitchingSummary:
     peaks = Peaks(0.5, 6.0)
-    group = SwitchGroup(established.n if established else 0, established, 0.4, 0.8, peaks, peaks)
+    group = SwitchGroup(completed.n if completed else 0, completed, 0.4, 0.8, peaks, peaks)
     return SwitchingSummary(sequences, falls, 1.0, group, {}, {}, {}, FirstSequence(False, {}))
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from camp.evaluation.recording import Recording
-from camp.motion.gaits import DUTY_FACTOR, GAIT_PHASES
-from camp.motion.skills import skill_set
+from camp.gaits.schedule import DUTY_FACTOR, GAIT_PHASES
+from camp.gaits.skills import skill_set
 
 GAITS = ("trot", "pace", "bound", "pronk")
 SKILLS = skill_set(GAITS, "gait", ())

@@ -1,4 +1,4 @@
-"""Robots under trouble: what a condition changes, and what it is refused for."""
+"""Robots under disturbances: what a condition changes, and what it is refused for."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 import torch
 
+from camp.common.errors import ConfigError
+from camp.common.seeding import generator
 from camp.envs.config import NoiseConfig
-from camp.errors import ConfigError
 from camp.evaluation.conditions import Condition, check_conditions
 from camp.evaluation.controllers import Sight
-from camp.evaluation.plan import Plan, Trouble, joined
+from camp.evaluation.plan import Disturbances, Plan, joined
 from camp.evaluation.recording import record
 from camp.evaluation.rollout import Setting, roll_out
 from camp.evaluation.sampling import standing_starts
 from camp.robots.go2 import DEFAULT_JOINT_POSITION
-from camp.seeding import generator
 from camp.sim.base import Dynamics
 from camp.sim.parameters import NOMINAL_GAINS
 
@@ -26,7 +26,7 @@ SETTING = Setting(0.02, NOMINAL_GAINS, NOISE, push_period_s=0.4, seed=0, threads
 POSE = torch.tensor(DEFAULT_JOINT_POSITION)
 
 
-def plan(name: str = "test", num: int = 1, steps: int = 40, **trouble: float) -> Plan:
+def plan(name: str = "test", num: int = 1, steps: int = 40, **disturbances: float) -> Plan:
     """Robots that stand."""
     return Plan(
         name,
@@ -34,7 +34,7 @@ def plan(name: str = "test", num: int = 1, steps: int = 40, **trouble: float) ->
         torch.zeros(num, 3),
         standing_starts(num, (1.0, 1.0), generator(0, "starts")),
         Dynamics.nominal(num, 0.8, torch.device("cpu")),
-        Trouble.of(num, **trouble),
+        Disturbances.of(num, **disturbances),
     )
 
 
@@ -61,7 +61,7 @@ class Stepping:
         ({"name": "a", "friction": 0.0}, r"conditions\[a\].friction = 0.0: choose a finite number above 0"),
         ({"name": "a", "payload_mass_kg": -1.0}, "0 or more"),
         ({"name": "a", "noise": "much"}, "give a finite number"),
-        ({"name": "a", "loss": 1.0}, r"choose a share in \[0, 1\)"),
+        ({"name": "a", "loss": 1.0}, r"choose a fraction in \[0, 1\)"),
         ({"name": "a", "delay_s": 0.5}, r"choose 0 to 0.1 s"),
     ],
 )

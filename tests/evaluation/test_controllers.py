@@ -9,13 +9,13 @@ from dataclasses import asdict
 import pytest
 import torch
 
+from camp.common.errors import CampError
 from camp.envs.measurement import measure
 from camp.envs.observations import Situation, actor_entries, observe
-from camp.errors import CampError
 from camp.evaluation.contract import Contract, Output, Term, parse_skill, read_contract
 from camp.evaluation.controllers import NetworkController, OpenLoopSine, Sight, Standing, gains
 from camp.evaluation.policies import contract_of_run
-from camp.motion.skills import Skill
+from camp.gaits.skills import Skill
 from camp.robots.go2 import DEFAULT_JOINT_POSITION, JOINT_NAMES
 from camp.sim.base import Dynamics, InitialState
 

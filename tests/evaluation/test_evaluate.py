@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camp.cli import run_hydra
+from camp.cli.hydra_main import run_hydra
 from camp.evaluate import evaluate
 from camp.evaluation import films, record
 from camp.evaluation.report import Report, read_report
@@ -110,7 +110,7 @@ def test_places_that_cannot_be_written_are_told_before_work_starts(tmp_path, mon
         raise AssertionError("work has started")
 
     run = small_run(tmp_path / "run")
-    monkeypatch.setattr("camp.evaluate.Judge", work)
+    monkeypatch.setattr("camp.evaluate.Evaluator", work)
     (run / "videos").write_text("")
     assert run_hydra("evaluation/evaluate", evaluate, [f"run={run}"]) == 2
     error = capsys.readouterr().err

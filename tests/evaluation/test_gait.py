@@ -11,7 +11,7 @@ from camp.evaluation.gait import beside_expert, performed_by_command, summarize,
 from camp.evaluation.reading import Reading
 from camp.evaluation.recording import Recording
 from camp.evaluation.tracking import summarize_tracking
-from camp.motion.skills import Skill, skill_set
+from camp.gaits.skills import Skill, skill_set
 from tests.evaluation.synthetic import COMMANDS, GAITS, SKILLS, STEPS, contacts, grid
 
 RIGHT = {gait: gait for gait in GAITS}

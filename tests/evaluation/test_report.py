@@ -10,14 +10,14 @@ import pytest
 from camp.evaluation.record import metrics
 from camp.evaluation.report import ReportError, as_json, as_plain, read_report, write_report
 from camp.evaluation.tables import printed, verdict_markdown
-from camp.evaluation.values import share
+from camp.evaluation.values import fraction
 from camp.evaluation.verdict import judge_targets
 from tests.evaluation.reports import gait_summary, policy_summary, report
 from tests.evaluation.test_verdict import TARGETS
 
 
 def judged():
-    skills = {"trot": gait_summary(share(np.ones(80, dtype=bool)), 80, frequency=None)}
+    skills = {"trot": gait_summary(fraction(np.ones(80, dtype=bool)), 80, frequency=None)}
     found = report(policies={"trained": policy_summary(skills)})
     found.verdict = judge_targets(found, TARGETS)
     return found

@@ -7,13 +7,13 @@ from itertools import pairwise
 import pytest
 import torch
 
+from camp.common.seeding import generator
 from camp.evaluation.contract import CommandRange
 from camp.evaluation.plan import Planner
 from camp.evaluation.sampling import clipped, random_commands, switch_sequences, walk_starts
-from camp.motion.sampler import ReferenceStates
-from camp.motion.skills import skill_set
+from camp.gaits.skills import skill_set
+from camp.motion.clips.sampler import ReferenceStates
 from camp.robots.go2 import DEFAULT_JOINT_POSITION
-from camp.seeding import generator
 from tests.evaluation.suites import evaluation
 
 SKILLS = skill_set(("trot", "bound"), "gait_frequency", (2.0, 3.0))
@@ -70,7 +70,7 @@ def test_plans_repeat_and_do_not_depend_on_each_other(references):
     first, second = planner(references), planner(references, "robustness.per_skill=1", "table_i.per_skill=3")
     assert (first.walks(5, "walks").command == second.walks(5, "walks").command).all()
     assert (first.walks(5, "walks").command != first.walks(5, "table_i").command).any()
-    assert len(second.table_i()) == 12 and second.table_i().trouble.noise.tolist() == [1.0] * 12
+    assert len(second.table_i()) == 12 and second.table_i().disturbances.noise.tolist() == [1.0] * 12
     friction = second.table_i().dynamics.friction
     assert friction.unique().numel() == 12 and friction.min() >= 0.05 and friction.max() <= 1.75
 
@@ -80,8 +80,8 @@ def test_the_same_walks_under_every_condition(references):
         references, "robustness.per_skill=2", "robustness.conditions=[{name: a},{name: b,delay_s: 0.01,loss: 0.2}]"
     ).robustness()
     assert len(plan) == 16 and (plan.command[:8] == plan.command[8:]).all()
-    assert plan.trouble.delay_s.tolist() == pytest.approx([0.0] * 8 + [0.01] * 8)
-    assert plan.trouble.loss.tolist() == pytest.approx([0.0] * 8 + [0.2] * 8)
+    assert plan.disturbances.delay_s.tolist() == pytest.approx([0.0] * 8 + [0.01] * 8)
+    assert plan.disturbances.loss.tolist() == pytest.approx([0.0] * 8 + [0.2] * 8)
 
 
 def test_switches_are_distinct(references):

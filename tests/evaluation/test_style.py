@@ -7,8 +7,8 @@ import pytest
 
 from camp.evaluation.reading import read
 from camp.evaluation.style import summarize_style
-from camp.motion.clips import amp_state
-from camp.motion.mirror import mirrored
+from camp.motion.clips.clip import amp_state
+from camp.motion.clips.mirror import mirrored
 from tests.evaluation.synthetic import GAITS, SKILLS, recording
 
 pytestmark = pytest.mark.slow  # the first call compiles tslearn's DTW, some ten seconds

@@ -1,4 +1,4 @@
-"""Switches of made-up motion: established in time, late, or never, and how smoothly."""
+"""Switches of made-up motion: completed in time, late, or never, and how smoothly."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from camp.evaluation.arrays import switching_arrays
 from camp.evaluation.switching import find_switches, summarize_switching
-from camp.motion.skills import skill_set
+from camp.gaits.skills import skill_set
 from tests.evaluation.synthetic import SKILLS, STEPS, contacts, sequences
 
 ORDERS = list(permutations(range(4)))
@@ -22,7 +22,7 @@ def summarize(recording):
 def test_every_switch_of_every_order_is_found():
     result = summarize(sequences(ORDERS))
     assert result.sequences == 24 and result.all.switches == 72 and result.falls == 0
-    assert result.all.established.value == 1.0 and result.all.seconds_90_percent <= 0.5
+    assert result.all.completed.value == 1.0 and result.all.seconds_90_percent <= 0.5
     assert set(result.pairs.values()) == {1.0} and len(result.pairs) == 12
     assert [part.switches for part in result.to_skill.values()] == [18] * 4
 
@@ -32,16 +32,16 @@ def test_the_first_sequence_is_told_by_skill():
     assert list(seconds) == ["trot", "pace", "bound", "pronk"] and seconds["trot"] == 0.0
 
 
-def test_late_switches_are_not_established():
+def test_late_switches_are_not_completed():
     result = summarize(sequences(ORDERS[:4], late=60))  # 1.2 s behind
-    assert result.all.established.value == 0.0 and result.falls == 0
+    assert result.all.completed.value == 0.0 and result.falls == 0
 
 
 def test_one_gait_throughout_is_never_a_switch_but_to_itself():
     recording = sequences([(0, 1, 2, 3)])
     recording.contact[:] = sequences([(0, 0, 0, 0)]).contact
     result = summarize(recording)
-    assert result.all.established.value == 0.0 and result.all.seconds_median is None
+    assert result.all.completed.value == 0.0 and result.all.seconds_median is None
     assert result.first_sequence.seconds_to_skill == {"trot": 0.0, "pace": None, "bound": None, "pronk": None}
 
 
@@ -71,7 +71,7 @@ def test_a_fall_leaves_the_later_windows_out():
 def test_a_single_gait_has_no_switches():
     recording = sequences([(2, 2, 2, 2)])
     result = summarize(recording)
-    assert result.all.switches == 0 and result.all.established is None
+    assert result.all.switches == 0 and result.all.completed is None
     assert result.all.at_switch.peak_torque_share is None
 
 
@@ -91,8 +91,8 @@ def test_a_change_of_frequency_alone_is_seen():
     made_up.contact[0] = np.concatenate([one[k * each : (k + 1) * each] for k, one in enumerate(contact)])
     found = summarize_switching(made_up, find_switches(made_up, skills), skills, 1.0)
     assert {name: part.switches for name, part in found.by_change.items()} == {"gait": 1, "frequency": 1, "both": 1}
-    assert all(part.established.value == 1.0 for part in found.by_change.values())
+    assert all(part.completed.value == 1.0 for part in found.by_change.values())
     made_up = made_up.take(slice(None))
     made_up.contact[0, each : 2 * each] = contacts("trot", 2.0)[each : 2 * each]
     found = summarize_switching(made_up, find_switches(made_up, skills), skills, 1.0)
-    assert found.by_change["frequency"].established.value == 0.0
+    assert found.by_change["frequency"].completed.value == 0.0

@@ -8,14 +8,14 @@ import numpy as np
 
 from camp.evaluation.config import TargetsConfig
 from camp.evaluation.report import TableI
-from camp.evaluation.values import mean_estimate, share
+from camp.evaluation.values import fraction, mean_estimate
 from camp.evaluation.verdict import judge_targets
 from tests.evaluation.reports import gait_summary, policy_summary, report, switching_summary, tracking_summary
 
 TARGETS = TargetsConfig(
     gait_accuracy=0.95,
     table_i_accuracy=0.9,
-    switches_established=0.95,
+    switches_completed=0.95,
     falls_per_100_episodes=1.0,
     linear_error_m_s=0.15,
     yaw_rate_error_rad_s=0.15,
@@ -27,7 +27,7 @@ def verdict(found) -> dict[str, tuple[str, int]]:
 
 
 def of(right: int, n: int):
-    return share(np.arange(n) < right)
+    return fraction(np.arange(n) < right)
 
 
 def test_every_target_by_its_interval():
@@ -42,7 +42,7 @@ def test_every_target_by_its_interval():
     assert verdict(whole) == {
         "gait accuracy": ("not shown", 80),  # 79 of 80: the interval reaches below .95
         "gait accuracy, Table I": ("missed", 80),
-        "switches established": ("shown", 224),
+        "switches completed": ("shown", 224),
         "falls per 100 episodes": ("not shown", 236),  # none in 236: at most 1.6
         "velocity error, m/s": ("missed", 80),
         "yaw rate error, rad/s": ("shown", 80),

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from camp.gaits.schedule import DUTY_FACTOR, GAIT_PHASES
 from camp.metrics.criteria import ContactLog
-from camp.motion.gaits import DUTY_FACTOR, GAIT_PHASES
 
 PERIOD = 0.02  # s
 SECONDS = 8.0

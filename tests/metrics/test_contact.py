@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camp.metrics.contact import debounced, hysteresis, stride_share, touchdowns, touches_per_stride
-from camp.motion.clips import load_clips
-from camp.motion.gaits import GAIT_PHASES
-from camp.paths import assets_root
+from camp.common.paths import assets_root
+from camp.gaits.schedule import GAIT_PHASES
+from camp.metrics.contact import debounced, hysteresis, stride_fraction, touchdowns, touches_per_stride
+from camp.motion.clips.store import load_clips
 
 
 def of(text: str) -> np.ndarray:
@@ -61,10 +61,10 @@ def test_times_between_touchdowns():
     rows = np.zeros((1, 100, 4), dtype=bool)
     rows[0, [5, 30, 55, 80], :3] = True  # every 25 rows, a stride of 2 Hz
     rows[0, [5, 30, 45, 80], 3] = True  # 25, 15 and 35 rows
-    assert stride_share(rows, np.array([2.0]), 0.02, 0.25) == pytest.approx(1 / 3)
-    assert stride_share(rows, np.array([2.0]), 0.02, 0.41) == 1.0
-    assert stride_share(rows, np.array([np.nan]), 0.02, 0.25) == 0.0
-    assert stride_share(rows[:, :20], np.array([2.0]), 0.02, 0.25) == 0.0
+    assert stride_fraction(rows, np.array([2.0]), 0.02, 0.25) == pytest.approx(1 / 3)
+    assert stride_fraction(rows, np.array([2.0]), 0.02, 0.41) == 1.0
+    assert stride_fraction(rows, np.array([np.nan]), 0.02, 0.25) == 0.0
+    assert stride_fraction(rows[:, :20], np.array([2.0]), 0.02, 0.25) == 0.0
 
 
 def test_the_expert_touches_down_once_per_stride_when_breaks_are_closed():

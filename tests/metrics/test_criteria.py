@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camp.metrics.criteria import CRITERIA, ContactLog, Limits, failures, is_right, lift_share, read_walks
+from camp.gaits.schedule import DUTY_FACTOR, GAIT_PHASES
+from camp.metrics.criteria import CRITERIA, ContactLog, Limits, failures, is_right, lift_fraction, read_walks
 from camp.metrics.gait import measure_gait
-from camp.motion.gaits import DUTY_FACTOR, GAIT_PHASES
 from tests.metrics.logs import FOOLING, PERIOD, gait_contact, lifted, log_of, standing, walking
 
 REASON = {
@@ -67,12 +67,12 @@ def test_feet_that_hardly_leave_the_ground_are_not_right():
     assert failed(ContactLog(contact[None], PERIOD), "trot", 3.0) == set()  # no heights, nothing to fail
 
 
-def test_lift_share_counts_strides():
+def test_lift_fraction_counts_strides():
     height = np.zeros((1, 100, 4))
     height[0, [10, 35, 60], :] = 0.03  # three of the four strides of 25 rows
     height[0, 85, :3] = 0.03  # the fourth without the last foot
-    assert lift_share(height, np.array([2.0]), 0.02, 0.02) == pytest.approx(0.75)
-    assert lift_share(height, np.array([np.nan]), 0.02, 0.02) == 0.0
+    assert lift_fraction(height, np.array([2.0]), 0.02, 0.02) == pytest.approx(0.75)
+    assert lift_fraction(height, np.array([np.nan]), 0.02, 0.02) == 0.0
 
 
 def test_flight_of_a_bound_needs_a_fine_log():
@@ -103,7 +103,7 @@ def test_measures_by_hand():
     assert reading.flight[0] == pytest.approx(0.1, abs=0.005) and reading.overlap[0] == 0.0
     np.testing.assert_allclose(reading.touches[0], 1.0)
     assert reading.frequency_hz[0] == pytest.approx(2.0, rel=1e-2) and reading.gait[0] == "bound"
-    assert reading.gait_share[0] == 1.0 and reading.lift is not None and reading.lift[0] == 1.0
+    assert reading.gait_fraction[0] == 1.0 and reading.lift is not None and reading.lift[0] == 1.0
 
 
 def test_standing_is_nothing():

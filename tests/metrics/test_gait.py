@@ -7,10 +7,10 @@ import timeit
 import numpy as np
 import pytest
 
+from camp.common.paths import assets_root
+from camp.gaits.schedule import GAIT_PHASES
 from camp.metrics.gait import label_over_time, measure_gait, pair_phase_errors, phase_error, switch_time
-from camp.motion.clips import load_clips
-from camp.motion.gaits import GAIT_PHASES
-from camp.paths import assets_root
+from camp.motion.clips.store import load_clips
 
 PERIOD = 0.02  # s
 
@@ -21,8 +21,8 @@ def contact_sequence(gait: str, frequency_hz: float, duty: float, start: float, 
     return np.mod(stride, 1.0) < duty
 
 
-def flicker(contact: np.ndarray, share: float, rng: np.random.Generator) -> np.ndarray:
-    return contact ^ (rng.random(contact.shape) < share)
+def flicker(contact: np.ndarray, fraction: float, rng: np.random.Generator) -> np.ndarray:
+    return contact ^ (rng.random(contact.shape) < fraction)
 
 
 @pytest.fixture(scope="module")
@@ -138,9 +138,9 @@ def test_a_lame_foot_leaves_the_others_measured():
     assert np.isnan(measured.phase[0, 2])
 
 
-@pytest.mark.parametrize("share", [0.3, 0.5, 0.8])
-def test_random_contacts_are_no_gait(share):
-    contact = np.random.default_rng(1).random((500, 100, 4)) < share
+@pytest.mark.parametrize("fraction", [0.3, 0.5, 0.8])
+def test_random_contacts_are_no_gait(fraction):
+    contact = np.random.default_rng(1).random((500, 100, 4)) < fraction
     assert set(measure_gait(contact, PERIOD).label) == {"none"}
 
 

@@ -7,19 +7,19 @@ import pytest
 
 from camp.metrics.statistics import (
     Interval,
+    fraction_interval,
     interquartile_mean,
     mean_interval,
     rare_interval,
     seeds_interval,
-    share_interval,
 )
 
 
 def test_wilson_by_hand():
     # z = 1.95996: for k = n the lower end is n / (n + z^2).
-    found = share_interval(13, 13)
+    found = fraction_interval(13, 13)
     assert found is not None and found.low == pytest.approx(13 / (13 + 1.959964**2)) and found.high == 1.0
-    assert share_interval(0, 0) is None
+    assert fraction_interval(0, 0) is None
 
 
 def test_no_fall_in_176_is_at_most_two_in_a_hundred():

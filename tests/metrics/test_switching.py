@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camp.metrics.switching import peak_in_windows, quantile_of_switches, share_within
+from camp.metrics.switching import fraction_within, peak_in_windows, quantile_of_switches
 
 SECONDS = np.array([0.2, 1.0, np.nan, 1.02])
 
 
-def test_share_within_counts_never_as_no():
-    assert share_within(SECONDS, 1.0) == pytest.approx(0.5)
-    assert share_within(SECONDS, 2.0) == pytest.approx(0.75)
-    assert share_within(np.array([50 * 0.02]), 1.0) == 1.0
-    assert share_within(np.array([]), 1.0) is None
+def test_fraction_within_counts_never_as_no():
+    assert fraction_within(SECONDS, 1.0) == pytest.approx(0.5)
+    assert fraction_within(SECONDS, 2.0) == pytest.approx(0.75)
+    assert fraction_within(np.array([50 * 0.02]), 1.0) == 1.0
+    assert fraction_within(np.array([]), 1.0) is None
 
 
 def test_quantiles_treat_never_as_the_longest():

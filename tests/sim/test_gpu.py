@@ -7,7 +7,7 @@ import math
 import pytest
 import torch
 
-from camp.errors import SimulationError
+from camp.common.errors import SimulationError
 from camp.robots import go2
 from camp.sim.base import Dynamics, InitialState, Simulator
 from camp.sim.cpu import CpuSimulator

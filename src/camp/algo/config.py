@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from omegaconf import MISSING
 
-from camp import checks
+from camp.common import checks
 
 PRECISIONS = ("float32", "bfloat16", "tf32")
 
@@ -50,11 +50,11 @@ class CriticConfig:
 class PPOConfig:
     """Proximal policy optimization."""
 
-    discount: float = MISSING  # gamma per control step, [0, 1]
-    trace: float = MISSING  # lambda of GAE, [0, 1]
-    clip: float = MISSING  # probability ratio kept within 1 +- clip, > 0
-    value_clip: float = MISSING  # value moves per update, in standard deviations of the return; 0 = unclipped
-    entropy: float = MISSING  # weight of the entropy bonus, >= 0
+    gamma: float = MISSING  # discount per control step, [0, 1]
+    gae_lambda: float = MISSING  # lambda of GAE, [0, 1]
+    clip_param: float = MISSING  # probability ratio kept within 1 +- clip, > 0
+    value_clip_param: float = MISSING  # value moves per update, in standard deviations of the return; 0 = unclipped
+    entropy_coef: float = MISSING  # weight of the entropy bonus, >= 0
     epochs: int = MISSING  # passes over the rollout per iteration
     minibatches: int = MISSING  # per epoch, permuted anew each epoch
     learning_rate: float = MISSING  # actor, start of the adaptive rule, within [min, max]
@@ -67,11 +67,11 @@ class PPOConfig:
     update_normalizer: bool = MISSING  # false freezes the actor's input statistics (imitation's)
 
     def check(self) -> None:
-        checks.share("algo.ppo.discount", self.discount)
-        checks.share("algo.ppo.trace", self.trace)
-        checks.positive("algo.ppo.clip", self.clip)
-        checks.not_negative("algo.ppo.value_clip", self.value_clip)
-        checks.not_negative("algo.ppo.entropy", self.entropy)
+        checks.fraction("algo.ppo.gamma", self.gamma)
+        checks.fraction("algo.ppo.gae_lambda", self.gae_lambda)
+        checks.positive("algo.ppo.clip_param", self.clip_param)
+        checks.not_negative("algo.ppo.value_clip_param", self.value_clip_param)
+        checks.not_negative("algo.ppo.entropy_coef", self.entropy_coef)
         checks.count("algo.ppo.epochs", self.epochs)
         checks.count("algo.ppo.minibatches", self.minibatches)
         checks.positive("algo.ppo.min_learning_rate", self.min_learning_rate)
@@ -104,7 +104,7 @@ class StyleConfig:
     head_weight_decay: float = MISSING  # L2 inside Adam, logit layer; twice peers' "logit regularization"
     replay_size: int = MISSING  # past policy transitions kept; 0 = none
     input_noise: float = MISSING  # std added to expert and policy states, standardized units
-    mismatch_share: float = MISSING  # of the fakes: expert motion with a wrong label; needs conditional
+    mismatch_fraction: float = MISSING  # of the fakes: expert motion with a wrong label; needs conditional
 
     def check(self) -> None:
         checks.not_negative("algo.style.weight", self.weight)
@@ -117,11 +117,11 @@ class StyleConfig:
         checks.not_negative("algo.style.head_weight_decay", self.head_weight_decay)
         checks.not_negative("algo.style.replay_size", self.replay_size)
         checks.not_negative("algo.style.input_noise", self.input_noise)
-        checks.share_below_one("algo.style.mismatch_share", self.mismatch_share)
+        checks.fraction_below_one("algo.style.mismatch_fraction", self.mismatch_fraction)
         checks.require(
-            self.conditional or self.mismatch_share == 0.0,
-            "algo.style.mismatch_share",
-            self.mismatch_share,
+            self.conditional or self.mismatch_fraction == 0.0,
+            "algo.style.mismatch_fraction",
+            self.mismatch_fraction,
             "set it to 0 where algo.style.conditional is false: without z a wrong label is no difference",
         )
 

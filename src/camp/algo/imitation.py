@@ -10,10 +10,10 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from camp.algo.averages import Averages
 from camp.algo.config import ImitationConfig
 from camp.algo.models import GaussianActor
 from camp.algo.ppo import minibatches
+from camp.common.averages import Averages
 
 
 @dataclass

@@ -6,19 +6,12 @@ Shapes: B batch, T time, N environments, A actions, Z embedding; leading dimensi
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import torch
 from torch import Tensor
 from torch.nn import functional
 
 LOG_SQRT_2PI = 0.5 * math.log(2.0 * math.pi)
-
-
-def mix_rewards(terms: Mapping[str, Tensor], weights: Mapping[str, float]) -> Tensor:
-    """r = sum_i w_i r_i over the terms present, eq. (2). Raises KeyError where a term has no weight."""
-    total = [weights[name] * term for name, term in terms.items()]
-    return torch.stack(total).sum(dim=0)
 
 
 def lsgan_loss(expert_logit: Tensor, policy_logit: Tensor) -> Tensor:
@@ -73,8 +66,8 @@ def gae(
     next_value: Tensor,
     terminated: Tensor,
     truncated: Tensor,
-    discount: float,
-    trace: float,
+    gamma: float,
+    gae_lambda: float,
 ) -> tuple[Tensor, Tensor]:
     """Generalized advantage estimation (Schulman et al. 2016); all (T, N), returns (advantage, return).
 
@@ -84,9 +77,9 @@ def gae(
     """
     same_episode = (~(terminated | truncated)).to(reward.dtype)
     # Filled, not multiplied by zero: an episode that ended because it diverged may have no finite value.
-    future = discount * next_value.masked_fill(terminated, 0.0)
+    future = gamma * next_value.masked_fill(terminated, 0.0)
     error = reward + future - value  # (T, N) one-step TD error
-    decay = discount * trace * same_episode
+    decay = gamma * gae_lambda * same_episode
     advantage = torch.empty_like(error)
     running = torch.zeros_like(error[0])
     for t in range(reward.shape[0] - 1, -1, -1):

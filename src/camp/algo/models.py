@@ -16,7 +16,7 @@ from torch import Tensor, nn
 
 from camp.algo.config import ActorConfig, CriticConfig
 from camp.algo.normalizer import RunningNormalizer
-from camp.errors import ConfigError
+from camp.common.errors import ConfigError
 
 ACTOR_HEAD_GAIN = 0.01  # the first policy holds the default pose (Andrychowicz et al. 2021)
 SKILL_HEAD_GAIN = 0.1  # first predictions are short, so the first loss is the embedding's own norm

@@ -5,7 +5,7 @@ from __future__ import annotations
 import torch
 from torch import Tensor, nn
 
-from camp import distributed
+from camp.common import distributed
 
 VARIANCE_FLOOR = 1e-6  # squared input units; keeps inputs that never vary (an unused one-hot entry) finite
 
@@ -40,10 +40,10 @@ class RunningNormalizer(nn.Module):
         """Merges the rows of x (..., size), those of all ranks together, into the statistics."""
         mean, variance, count = distributed.moments(x.reshape(-1, x.shape[-1]))
         total = self.count + count
-        share = count / total.clamp(min=1.0)  # of the new rows
+        fraction = count / total.clamp(min=1.0)  # of the new rows
         delta = mean - self.mean
-        self.variance.mul_(1.0 - share).add_(variance * share + delta.square() * share * (1.0 - share))
-        self.mean.add_(delta * share)
+        self.variance.mul_(1.0 - fraction).add_(variance * fraction + delta.square() * fraction * (1.0 - fraction))
+        self.mean.add_(delta * fraction)
         self.count.copy_(total)
 
     def forward(self, x: Tensor) -> Tensor:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import torch
 from torch import Tensor, nn
 
-from camp import distributed
+from camp.common import distributed
 
 
 def backward(loss: Tensor, optimizer: torch.optim.Optimizer) -> list[nn.Parameter]:

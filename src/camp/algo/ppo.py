@@ -9,8 +9,6 @@ from typing import Any, TypeVar
 import torch
 from torch import Tensor, nn
 
-from camp import distributed
-from camp.algo.averages import Averages
 from camp.algo.config import PPOConfig
 from camp.algo.losses import (
     clipped_surrogate_loss,
@@ -21,6 +19,8 @@ from camp.algo.losses import (
 )
 from camp.algo.models import Critic, GaussianActor
 from camp.algo.optimization import backward
+from camp.common import distributed
+from camp.common.averages import Averages
 from camp.data import Decision, Rollout
 
 AuxiliaryLoss = Callable[[GaussianActor], Tensor]  # () to be added to the surrogate's, once a minibatch
@@ -183,12 +183,12 @@ class PPO:
         if adapt:
             self._adapt(distributed.average(kl).item())
         log_prob = gaussian_log_prob(batch.action, mean, std)
-        surrogate = clipped_surrogate_loss(log_prob, batch.log_prob, batch.advantage, self.config.clip)
+        surrogate = clipped_surrogate_loss(log_prob, batch.log_prob, batch.advantage, self.config.clip_param)
         entropy = gaussian_entropy(std)
         auxiliary = self.auxiliary_loss(self.actor)
-        norm = self._descend(self.actor_optimizer, surrogate - self.config.entropy * entropy + auxiliary)
+        norm = self._descend(self.actor_optimizer, surrogate - self.config.entropy_coef * entropy + auxiliary)
         self.actor.project_std()
-        clipped = ((log_prob.detach() - batch.log_prob).exp() - 1.0).abs() > self.config.clip
+        clipped = ((log_prob.detach() - batch.log_prob).exp() - 1.0).abs() > self.config.clip_param
         averages.add("ppo/kl", kl)
         averages.add("ppo/surrogate_loss", surrogate)
         averages.add("ppo/auxiliary_loss", auxiliary)
@@ -200,7 +200,9 @@ class PPO:
     def _critic_step(self, batch: _CriticBatch, averages: Averages) -> None:
         value = self.critic(batch.observation, batch.privileged)
         scale = self.critic.return_std  # the loss counts in standard deviations of the return
-        loss = clipped_value_loss(value / scale, batch.value / scale, batch.return_ / scale, self.config.value_clip)
+        loss = clipped_value_loss(
+            value / scale, batch.value / scale, batch.return_ / scale, self.config.value_clip_param
+        )
         averages.add("ppo/value_loss", loss)
         averages.add("ppo/grad_norm/critic", self._descend(self.critic_optimizer, loss))
 

@@ -14,7 +14,7 @@ SCORE_CHUNK = 16384  # transitions scored at once; bounds the activations (64 Mi
 
 
 class DemonstrationSource(Protocol):
-    """Where expert transitions come from (`camp.motion.sampler.Demonstrations`)."""
+    """Where expert transitions come from (`camp.motion.clips.sampler.Demonstrations`)."""
 
     def sample(self, n: int, generator: torch.Generator) -> Transition:
         """n expert transitions, the same number of each skill (+-1)."""
@@ -65,7 +65,7 @@ class WithHistograms(Protocol):
     def histograms(
         self, policy: Transition, demonstrations: DemonstrationSource, generator: torch.Generator
     ) -> dict[str, list[float]]:
-        """Histograms (`camp.histogram`) of its present answers to policy and expert, by key; it learns nothing."""
+        """Histograms (camp.common.histogram) of its present answers to policy and expert, by key; it learns nothing."""
         ...
 
 

@@ -9,13 +9,13 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from camp.algo.averages import Averages
 from camp.algo.config import SkillConfig
 from camp.algo.losses import gradient_penalty, skill_regression_loss, skill_reward
 from camp.algo.models import SkillDiscriminator, SkillEmbedding
 from camp.algo.normalizer import RunningNormalizer
 from camp.algo.optimization import backward
 from camp.algo.prior import DemonstrationSource, draw, in_chunks
+from camp.common.averages import Averages
 from camp.data import Transition
 
 

@@ -9,7 +9,6 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from camp.algo.averages import Averages
 from camp.algo.config import StyleConfig
 from camp.algo.losses import gradient_penalty, lsgan_loss, style_reward
 from camp.algo.models import ConditionalDiscriminator, SkillEmbedding
@@ -17,9 +16,10 @@ from camp.algo.normalizer import RunningNormalizer
 from camp.algo.optimization import backward
 from camp.algo.prior import DemonstrationSource, draw, in_chunks
 from camp.algo.replay import ReplayBuffer
+from camp.common.averages import Averages
+from camp.common.errors import ConfigError
+from camp.common.histogram import fractions
 from camp.data import Transition, concatenate
-from camp.errors import ConfigError
-from camp.histogram import shares
 
 
 class StylePrior:
@@ -41,9 +41,9 @@ class StylePrior:
         generator: torch.Generator,
     ) -> None:
         """embedding: shared with the skill prior; its device is the prior's. generator (CPU): for weights."""
-        if config.mismatch_share > 0.0 and len(skills) < 2:
+        if config.mismatch_fraction > 0.0 and len(skills) < 2:
             raise ConfigError(
-                f"algo.style.mismatch_share = {config.mismatch_share}: set it to 0 with a single skill, "
+                f"algo.style.mismatch_fraction = {config.mismatch_fraction}: set it to 0 with a single skill, "
                 "which leaves no wrong label"
             )
         self.config, self.weight, self.skills = config, config.weight, tuple(skills)
@@ -93,11 +93,11 @@ class StylePrior:
     def histograms(
         self, policy: Transition, demonstrations: DemonstrationSource, generator: torch.Generator
     ) -> dict[str, list[float]]:
-        """How D's logits of a fresh expert batch and of all policy transitions are spread (`camp.histogram`)."""
+        """How D's logits of a fresh expert batch and of all policy transitions are spread (`camp.common.histogram`)."""
         expert = demonstrations.sample(self.config.batch_size, generator)
         return {
-            "prior/style/logit_histogram/expert": shares(self.logit(expert)),
-            "prior/style/logit_histogram/policy": shares(self.logit(policy)),
+            "prior/style/logit_histogram/expert": fractions(self.logit(expert)),
+            "prior/style/logit_histogram/policy": fractions(self.logit(policy)),
         }
 
     def _step(self, expert: Transition, fake: Transition, averages: Averages, generator: torch.Generator) -> None:
@@ -120,13 +120,13 @@ class StylePrior:
         averages.add_per_skill("prior/style/accuracy", right, labels, self.skills)
 
     def _fakes(self, policy: Transition, demonstrations: DemonstrationSource, generator: torch.Generator) -> Transition:
-        """What D shall reject: the policy's motion, and a share of expert motion with a wrong label.
+        """What D shall reject: the policy's motion, and a fraction of expert motion with a wrong label.
 
         Half of the policy's motion is from the past once there is any. The wrong labels (matching-aware
         negatives, Reed et al. 2016) are betrayed by nothing but z, so D has to listen to it.
         """
         size = self.config.batch_size
-        wrong = round(size * self.config.mismatch_share)
+        wrong = round(size * self.config.mismatch_fraction)
         past = (size - wrong) // 2 if self.replay is not None and len(self.replay) > 0 else 0
         parts = [draw(policy, size - wrong - past, generator)]
         if self.replay is not None and past:

@@ -19,13 +19,13 @@ def uniform(interval: Sequence[float], shape: tuple[int, ...], generator: torch.
 def sample_commands(num: int, config: CommandConfig, generator: torch.Generator) -> Tensor:
     """(num, 3) commands vx, vy in m/s and yaw rate in rad/s, base frame.
 
-    Each component is uniform in its range; a share of the commands has single components, or all of them, at zero,
+    Each component is uniform in its range; a fraction of the commands has single components, or all of them, at zero,
     so that straight, sideways, turning and in-place motion all occur.
     """
     ranges = (config.vx_m_s, config.vy_m_s, config.yaw_rate_rad_s)
     command = torch.stack([uniform(interval, (num,), generator) for interval in ranges], dim=1)
-    keep = torch.rand(num, 3, generator=generator, device=command.device) >= config.zero_component_share
-    moving = torch.rand(num, 1, generator=generator, device=command.device) >= config.zero_share
+    keep = torch.rand(num, 3, generator=generator, device=command.device) >= config.zero_component_fraction
+    moving = torch.rand(num, 1, generator=generator, device=command.device) >= config.zero_fraction
     return command * keep * moving
 
 

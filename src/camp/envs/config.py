@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from omegaconf import MISSING
 
-from camp import checks
+from camp.common import checks
 
 
 @dataclass
@@ -31,16 +31,16 @@ class CommandConfig:
     vx_m_s: list[float] = MISSING  # [low, high], forward
     vy_m_s: list[float] = MISSING  # [low, high], left
     yaw_rate_rad_s: list[float] = MISSING  # [low, high], counter-clockwise
-    zero_component_share: float = MISSING  # probability that a component is zero
-    zero_share: float = MISSING  # probability that the whole command is zero
+    zero_component_fraction: float = MISSING  # probability that a component is zero
+    zero_fraction: float = MISSING  # probability that the whole command is zero
     period_s: float = MISSING  # a new command this often, counted from an episode's start
     skill_period_s: float = MISSING  # a new skill this often, likewise
 
     def check(self) -> None:
         for name in ("vx_m_s", "vy_m_s", "yaw_rate_rad_s"):
             checks.interval(f"env.command.{name}", getattr(self, name))
-        checks.share("env.command.zero_component_share", self.zero_component_share)
-        checks.share("env.command.zero_share", self.zero_share)
+        checks.fraction("env.command.zero_component_fraction", self.zero_component_fraction)
+        checks.fraction("env.command.zero_fraction", self.zero_fraction)
         checks.positive("env.command.period_s", self.period_s)
         checks.positive("env.command.skill_period_s", self.skill_period_s)
 
@@ -118,11 +118,11 @@ class PushConfig:
 class InitializationConfig:
     """Where episodes start."""
 
-    reference_share: float = MISSING  # of the resets, in a random frame of an expert clip of the commanded skill
+    reference_fraction: float = MISSING  # of the resets, in a random frame of an expert clip of the commanded skill
     joint_position_scale: list[float] = MISSING  # the rest: standing, joints at default times this (Table I)
 
     def check(self) -> None:
-        checks.share("env.initialization.reference_share", self.reference_share)
+        checks.fraction("env.initialization.reference_fraction", self.reference_fraction)
         checks.positive_interval("env.initialization.joint_position_scale", self.joint_position_scale)
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
-from camp.constants import constant
+from camp.common.tensors import constant
 from camp.envs.commands import uniform
 from camp.envs.config import InitializationConfig
 from camp.envs.measurement import rotate
-from camp.motion.sampler import ReferenceState
+from camp.motion.clips.sampler import ReferenceState
 from camp.robots import go2
 from camp.robots.kinematics import foot_position
 from camp.sim.base import InitialState, select

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from camp.constants import constant
+from camp.common.tensors import constant
 from camp.robots.go2 import CONTACT_FORCE
 from camp.robots.kinematics import foot_position
 from camp.sim.base import RobotState

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from camp.constants import constant
+from camp.common.tensors import constant
 from camp.envs.config import NoiseConfig
 from camp.envs.measurement import Measurement
 from camp.robots import go2

@@ -11,20 +11,18 @@ import torch
 from gymnasium.vector import AutoresetMode, VectorEnv
 from torch import Tensor
 
-from camp.algo.losses import mix_rewards
-from camp.checkpoint import copied
-from camp.constants import constant
+from camp.common.seeding import generator_state, restore_generator
+from camp.common.tensors import constant, copied
 from camp.data import Step
 from camp.envs import observations
 from camp.envs.commands import sample_commands, sample_skills, uniform
 from camp.envs.config import EnvConfig
 from camp.envs.measurement import AMP_STATE_SIZE, Measurement, measure
-from camp.envs.rewards import averaged, task_rewards
+from camp.envs.rewards import averaged, mix_rewards, task_rewards
 from camp.envs.starts import Starts, draw_starts
 from camp.envs.terminations import failed
-from camp.motion.sampler import ReferenceStates
+from camp.motion.clips.sampler import ReferenceStates
 from camp.robots import go2
-from camp.seeding import generator_state, restore_generator
 from camp.sim.base import Dynamics, Simulator, select
 
 # The observation's bound for values that a diverging simulation produces; far beyond anything physical.
@@ -35,8 +33,8 @@ STARTS_PERIOD_S = 0.4
 
 
 @dataclass
-class _Sight:
-    """What N robots show at one moment."""
+class _Observed:
+    """What is observed of N robots at one moment."""
 
     amp_state: Tensor  # (N, S)
     observation: Tensor  # (N, O) with sensor noise
@@ -179,7 +177,7 @@ class QuadrupedEnv(VectorEnv):
         state: dict[str, Any] = {name: getattr(self, name) for name in _STATE}
         state["dynamics"] = self.dynamics.tensors()
         state["starts"] = self._starts.state_dict()
-        state["starts_sight"] = vars(self._starts_sight)
+        state["starts_observed"] = vars(self._starts_observed)
         state["steps_to_draw"] = self._steps_to_draw
         state["generator"] = generator_state(self._generator)
         state["sim"] = self.sim.state_dict()
@@ -192,7 +190,7 @@ class QuadrupedEnv(VectorEnv):
             setattr(self, name, state[name])
         self.dynamics = Dynamics(**state["dynamics"])
         self._starts = Starts.from_state_dict(state["starts"])
-        self._starts_sight = _Sight(**state["starts_sight"])
+        self._starts_observed = _Observed(**state["starts_observed"])
         self._steps_to_draw = state["steps_to_draw"]
         restore_generator(self._generator, generator)
         self.sim.prepare(self.dynamics)
@@ -220,12 +218,12 @@ class QuadrupedEnv(VectorEnv):
             starts.average_velocity,
             starts.dynamics,
         )
-        self._starts_sight = _Sight(measurement.amp_state(), *self._observe(situation))
+        self._starts_observed = _Observed(measurement.amp_state(), *self._observe(situation))
         self._steps_to_draw = self._steps(STARTS_PERIOD_S)
 
     def _begin(self, mask: Tensor) -> None:
         """Begin an episode with the robots of ``mask`` (N,) bool."""
-        starts, sight = self._starts, self._starts_sight
+        starts, observed = self._starts, self._starts_observed
         self.sim.reset(mask, starts.initial)
         self.dynamics = self.dynamics.replaced(mask, starts.dynamics)
         self.step_count = self.step_count.masked_fill(mask, 0)
@@ -233,9 +231,9 @@ class QuadrupedEnv(VectorEnv):
         self.command = select(mask, starts.command, self.command)
         self.average_velocity = select(mask, starts.average_velocity, self.average_velocity)
         self.last_action = select(mask, self._action_before(starts), self.last_action)
-        self.amp_state = select(mask, sight.amp_state, self.amp_state)
-        self.observation = select(mask, sight.observation, self.observation)
-        self.privileged = select(mask, sight.privileged, self.privileged)
+        self.amp_state = select(mask, observed.amp_state, self.amp_state)
+        self.observation = select(mask, observed.observation, self.observation)
+        self.privileged = select(mask, observed.privileged, self.privileged)
 
     def _draw_commands(self) -> None:
         """New commands and skills for the robots whose clock has come round."""

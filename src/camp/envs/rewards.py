@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+import torch
 from torch import Tensor
 
 from camp.envs.config import RewardConfig
@@ -39,3 +42,9 @@ def linear_velocity_reward(command: Tensor, velocity: Tensor, width: float) -> T
 def angular_velocity_reward(command: Tensor, velocity: Tensor, width: float) -> Tensor:
     """exp(-|w_z^cmd - w_z| / width), (N,) in (0, 1]. Table II, second row (width 0.15 rad/s)."""
     return (-(command[:, 2] - velocity[:, 2]).abs() / width).exp()
+
+
+def mix_rewards(terms: Mapping[str, Tensor], weights: Mapping[str, float]) -> Tensor:
+    """r = sum_i w_i r_i over the terms present, eq. (2). Raises KeyError where a term has no weight."""
+    total = [weights[name] * term for name, term in terms.items()]
+    return torch.stack(total).sum(dim=0)

@@ -8,12 +8,12 @@ from typing import Any, Self
 import torch
 from torch import Tensor
 
-from camp.constants import constant
+from camp.common.tensors import constant
 from camp.envs import initialization
 from camp.envs.commands import sample_commands, sample_skills, uniform
 from camp.envs.config import EnvConfig
 from camp.envs.randomization import sample_dynamics
-from camp.motion.sampler import ReferenceStates
+from camp.motion.clips.sampler import ReferenceStates
 from camp.robots import go2
 from camp.sim.base import Dynamics, InitialState
 
@@ -54,7 +54,7 @@ def draw_starts(
         dynamics = sample_dynamics(num, config.randomization, generator)
     skill = sample_skills(num, references.num_skills, generator)
     reference = references.sample(skill, generator)
-    at_reference = uniform((0.0, 1.0), (num,), generator) < init.reference_share
+    at_reference = uniform((0.0, 1.0), (num,), generator) < init.reference_fraction
     initial = initialization.merge(
         at_reference, initialization.from_reference(reference), initialization.standing(num, init, generator)
     )

@@ -9,7 +9,7 @@ import numpy as np
 from camp.evaluation.reading import Reading
 from camp.evaluation.recording import Recording
 from camp.evaluation.switching import Switches
-from camp.motion.skills import Skill, names
+from camp.gaits.skills import Skill, names
 
 
 def common_arrays(period_s: float, skills: Sequence[Skill]) -> dict[str, np.ndarray]:

@@ -25,8 +25,8 @@ def percent(value: float | None) -> str:
     return "-" if value is None else f"{math.floor(100.0 * value + 1e-9)}%"
 
 
-def share_cells(found: Estimate | None) -> tuple[str, str]:
-    """A share and its interval."""
+def fraction_cells(found: Estimate | None) -> tuple[str, str]:
+    """A fraction and its interval."""
     if found is None:
         return "-", "-"
     return percent(found.value), f"{100 * found.low:.0f}-{100 * found.high:.0f}"

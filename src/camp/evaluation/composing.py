@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from hydra import compose, initialize_config_dir
 from hydra.core.global_hydra import GlobalHydra
 
+from camp.common.paths import config_root
 from camp.evaluation.config import EvaluationConfig, resolve_evaluation
-from camp.paths import config_root
 
 
 def compose_evaluation(overrides: Sequence[str] = ()) -> EvaluationConfig:

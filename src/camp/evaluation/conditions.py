@@ -1,4 +1,4 @@
-"""The troubles that robots are measured under, as conf/evaluation lists them."""
+"""The disturbances that robots are measured under, as conf/evaluation lists them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, Self
 
 import torch
 
-from camp import checks
+from camp.common import checks
 from camp.sim.base import Dynamics
 
 # Key of a condition -> field of Dynamics, filled with the value for every link, joint or axis.
@@ -25,7 +25,7 @@ DYNAMICS_KEYS = {
 LONGEST_DELAY_S = 0.1
 _SIGNED = ("payload_position_m",)
 _POSITIVE = ("link_mass_scale", "friction", "motor_strength_scale", "kp_scale", "kd_scale")
-_TROUBLES = ("noise", "push_m_s", "delay_s", "loss")
+_DISTURBANCES = ("noise", "push_m_s", "delay_s", "loss")
 
 
 @dataclass(frozen=True)
@@ -37,13 +37,13 @@ class Condition:
     noise: float = 0.0  # times the suite's sensor noise
     push_m_s: float = 0.0  # sudden change of the base's horizontal velocity
     delay_s: float = 0.0  # by which joint targets reach the motors late
-    loss: float = 0.0  # share of the joint targets that never do: the motors go on with the one before
+    loss: float = 0.0  # fraction of the joint targets that never do: the motors go on with the one before
 
     @classmethod
     def of(cls, entry: dict[str, Any]) -> Self:
         """From an entry that `check_conditions` has let through."""
         values = {key: float(entry[key]) for key in DYNAMICS_KEYS if key in entry}
-        return cls(str(entry["name"]), values, **{key: float(entry[key]) for key in _TROUBLES if key in entry})
+        return cls(str(entry["name"]), values, **{key: float(entry[key]) for key in _DISTURBANCES if key in entry})
 
     def dynamics(self, num: int, friction: float) -> Dynamics:
         """``num`` robots under this condition; ``friction`` where the condition says nothing about it."""
@@ -78,14 +78,14 @@ def _content(entry: dict[str, Any]) -> str:
 
 
 def _check_value(key: str, what: str, value: Any) -> None:
-    known = (*DYNAMICS_KEYS, *_TROUBLES)
+    known = (*DYNAMICS_KEYS, *_DISTURBANCES)
     checks.require(what in known, key, value, f"unknown; choose from {', '.join(known)}")
     number = isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
     checks.require(number, key, value, "give a finite number")
     if what in _POSITIVE:
         checks.positive(key, value)
     elif what == "loss":
-        checks.share_below_one(key, value)
+        checks.fraction_below_one(key, value)
     elif what == "delay_s":
         checks.require(0.0 <= value <= LONGEST_DELAY_S, key, value, f"choose 0 to {LONGEST_DELAY_S:g} s")
     elif what not in _SIGNED:

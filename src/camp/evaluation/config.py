@@ -9,8 +9,8 @@ from typing import Any, cast
 
 from omegaconf import MISSING, DictConfig, OmegaConf
 
-from camp import checks
-from camp.config import without_hydra
+from camp.common import checks
+from camp.config.resolve import without_hydra
 from camp.envs.config import NoiseConfig, RandomizationConfig
 from camp.evaluation.conditions import Condition, check_conditions
 
@@ -20,19 +20,19 @@ NEEDS_GRID = ("quality", "reference", "style")
 
 @dataclass
 class CommandsConfig:
-    """The distribution of random commands: uniform, with a share of the components, or of all three, at zero."""
+    """The distribution of random commands: uniform, with a fraction of the components, or of all three, at zero."""
 
     vx_m_s: list[float] = MISSING  # [low, high], forward
     vy_m_s: list[float] = MISSING  # [low, high], left
     yaw_rate_rad_s: list[float] = MISSING  # [low, high], counter-clockwise
-    zero_component_share: float = MISSING
-    zero_share: float = MISSING
+    zero_component_fraction: float = MISSING
+    zero_fraction: float = MISSING
 
     def check(self) -> None:
         for name in ("vx_m_s", "vy_m_s", "yaw_rate_rad_s"):
             checks.interval(f"random_commands.{name}", getattr(self, name))
-        checks.share("random_commands.zero_component_share", self.zero_component_share)
-        checks.share("random_commands.zero_share", self.zero_share)
+        checks.fraction("random_commands.zero_component_fraction", self.zero_component_fraction)
+        checks.fraction("random_commands.zero_fraction", self.zero_fraction)
 
 
 @dataclass
@@ -41,13 +41,13 @@ class WalksConfig:
 
     per_skill: int = MISSING
     baseline_per_skill: int = MISSING  # of each policy that does not walk
-    standing_share: float = MISSING  # of the starts; the rest begin in a frame of an expert clip of another gait
+    standing_fraction: float = MISSING  # of the starts; the rest begin in a frame of an expert clip of another gait
     standing_scale: list[float] = MISSING  # the default pose's joint angles times this
 
     def check(self) -> None:
         checks.count("walks.per_skill", self.per_skill)
         checks.count("walks.baseline_per_skill", self.baseline_per_skill)
-        checks.share("walks.standing_share", self.standing_share)
+        checks.fraction("walks.standing_fraction", self.standing_fraction)
         checks.positive_interval("walks.standing_scale", self.standing_scale)
 
 
@@ -71,7 +71,7 @@ class SwitchingConfig:
     """Every switch between two skills, from moving robots."""
 
     skill_s: float = MISSING  # s of each skill
-    within_s: float = MISSING  # until the new skill is to be established
+    within_s: float = MISSING  # until the new skill is to be completed
     skills_per_sequence: int = MISSING
     commands_per_switch: int = MISSING  # random commands at which each switch is made once
 
@@ -162,16 +162,16 @@ class SuiteConfig:
 class TargetsConfig:
     """What a policy is to reach; see docs/evaluation.md."""
 
-    gait_accuracy: float = MISSING  # share, of the weakest skill
-    table_i_accuracy: float = MISSING  # share, of all walks under Table I
-    switches_established: float = MISSING  # share
+    gait_accuracy: float = MISSING  # fraction, of the weakest skill
+    table_i_accuracy: float = MISSING  # fraction, of all walks under Table I
+    switches_completed: float = MISSING  # fraction
     falls_per_100_episodes: float = MISSING
     linear_error_m_s: float = MISSING
     yaw_rate_error_rad_s: float = MISSING
 
     def check(self) -> None:
-        for name in ("gait_accuracy", "table_i_accuracy", "switches_established"):
-            checks.share(f"targets.{name}", getattr(self, name))
+        for name in ("gait_accuracy", "table_i_accuracy", "switches_completed"):
+            checks.fraction(f"targets.{name}", getattr(self, name))
         for name in ("falls_per_100_episodes", "linear_error_m_s", "yaw_rate_error_rad_s"):
             checks.not_negative(f"targets.{name}", getattr(self, name))
 

@@ -12,14 +12,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from camp.errors import CampError
+from camp.common.errors import CampError
 from camp.metrics.contact import hysteresis
 from camp.robots.go2 import FOOT_NAMES
 
 SLOWEST_PERIOD_S = 0.021  # of a log; a stance of 100 ms has five rows then
 FINEST_PERIOD_S = 0.0025  # finer logs are read at this rate
-JITTER = 0.1  # share of the period by which rows may be off before they are resampled
-OFF_SHARE = 0.5  # contact by force ends below this share of the threshold
+JITTER = 0.1  # fraction of the period by which rows may be off before they are resampled
+OFF_SHARE = 0.5  # contact by force ends below this fraction of the threshold
 HEIGHTS = tuple(f"{foot}_height" for foot in FOOT_NAMES)
 SKILL = "skill"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -10,15 +11,15 @@ from pydantic import TypeAdapter
 from rich.console import Group
 from rich.table import Table
 
-from camp.errors import CampError
+from camp.common.errors import CampError
 from camp.evaluation.cells import cell, table
 from camp.evaluation.contact_log import FootLog
 from camp.evaluation.contract import parse_skill
+from camp.gaits.schedule import GAIT_PHASES
+from camp.gaits.skills import performed
 from camp.metrics.contact import debounced
-from camp.metrics.criteria import RHYTHM_PERIOD_S, ContactLog, Limits, failures, read_walks
+from camp.metrics.criteria import RHYTHM_PERIOD_S, ContactLog, Limits, WalkReading, failures, read_walks
 from camp.metrics.gait import NO_GAIT, measure_over_time, switch_time
-from camp.motion.gaits import GAIT_PHASES
-from camp.motion.skills import performed
 
 
 @dataclass
@@ -28,18 +29,18 @@ class Stretch:
     start_s: float
     end_s: float
     gait: str
-    frequency_hz: float | None
-    duty: list[float] | None  # FL, FR, RL, RR
-    phase: list[float | None] | None  # strides behind FL
-    flight_fraction: float | None
-    touches_per_stride: float | None
-    lifts: float | None  # share of the strides in which every foot lifts 2 cm; None without heights
-    failed: list[str] | None  # criteria that it fails as this gait; [] for a gait that is right
+    frequency_hz: float | None = None
+    duty: list[float] | None = None  # FL, FR, RL, RR
+    phase: list[float | None] | None = None  # strides behind FL
+    flight_fraction: float | None = None
+    touches_per_stride: float | None = None
+    lifts: float | None = None  # fraction of the strides in which every foot lifts 2 cm; None without heights
+    failed: list[str] | None = None  # criteria that it fails as this gait; [] for a gait that is right
 
 
 @dataclass
 class Switch:
-    """A change of what was asked for; seconds is None where it was never established."""
+    """A change of what was asked for; seconds is None where it was never completed."""
 
     at_s: float
     skill: str
@@ -62,7 +63,7 @@ class ContactReport:
 
 
 def judge_log(log: FootLog, file: str, skill: str | None = None, discard_s: float = 0.0) -> ContactReport:
-    """Judge a log, without its first ``discard_s`` s. Raises CampError for one shorter than 2 s or an unknown skill."""
+    """Judge a log without its first ``discard_s`` s. Raises CampError for less than 2 s and for an unknown skill."""
     limits, first = Limits(), round(discard_s / log.period_s)
     if log.seconds - discard_s < limits.frequency_window_s:
         raise CampError(
@@ -100,7 +101,9 @@ def contact_json(report: ContactReport) -> str:
 def contact_tables(report: ContactReport) -> Group:
     """The report as printed."""
     headings = ("s", "Hz", "duty FL FR RL RR", "phase FL FR RL RR", "flight", "touches", "lifts", "fails")
-    stretches = table(f"{report.file}: {report.seconds:g} s at {1 / report.period_s:.0f} Hz", ("from s", "gait"), headings)
+    stretches = table(
+        f"{report.file}: {report.seconds:g} s at {1 / report.period_s:.0f} Hz", ("from s", "gait"), headings
+    )
     for part in report.stretches:
         stretches.add_row(
             f"{part.start_s:.2f}",
@@ -116,7 +119,7 @@ def contact_tables(report: ContactReport) -> Group:
         )
     shown: list[Table] = [stretches]
     if report.switches:
-        switches = table("switches", ("at s", "to"), ("established after s",))
+        switches = table("switches", ("at s", "to"), ("completed after s",))
         for switch in report.switches:
             switches.add_row(f"{switch.at_s:.2f}", switch.skill, cell(switch.seconds, ".2f"))
         shown.append(switches)
@@ -153,23 +156,25 @@ def _stretches(log: FootLog, offset_s: float) -> list[Stretch]:
     label, _, period = _labels(log)
     bounds = [0, *(np.flatnonzero(label[1:] != label[:-1]) + 1).tolist(), len(label)]
     every, result = round(period / log.period_s), []
-    for begin, end in zip(bounds, bounds[1:], strict=False):
+    for begin, end in pairwise(bounds):
         gait, first, last = str(label[begin]), begin * every, min(end * every, len(log.contact))
         start_s, end_s = (round(offset_s + row * log.period_s, 6) for row in (first, last))
-        measured = None
+        stretch = Stretch(start_s, end_s, gait)
         if gait != NO_GAIT and (last - first) * log.period_s >= Limits().frequency_window_s + period:
-            reading = read_walks(_part(log, first, last))
-            measured = (
-                _number(reading.frequency_hz[0]),
-                [round(float(value), 4) for value in reading.duty[0]],
-                [_number(value) for value in reading.phase[0]],
-                round(float(reading.flight[0]), 4),
-                _number(reading.touches[0].mean()),
-                None if reading.lift is None else float(reading.lift[0]),
-                [name for name, value in failures(reading, gait).items() if value[0]],
-            )
-        result.append(Stretch(start_s, end_s, gait, *(measured or (None,) * 7)))
+            _measure(stretch, read_walks(_part(log, first, last)))
+        result.append(stretch)
     return result
+
+
+def _measure(stretch: Stretch, reading: WalkReading) -> None:
+    """Fill in what a stretch of one gait shows."""
+    stretch.frequency_hz = _number(reading.frequency_hz[0])
+    stretch.duty = [round(float(value), 4) for value in reading.duty[0]]
+    stretch.phase = [_number(value) for value in reading.phase[0]]
+    stretch.flight_fraction = round(float(reading.flight[0]), 4)
+    stretch.touches_per_stride = _number(reading.touches[0].mean())
+    stretch.lifts = None if reading.lift is None else round(float(reading.lift[0]), 4)
+    stretch.failed = [name for name, value in failures(reading, stretch.gait).items() if value[0]]
 
 
 def _switches(log: FootLog, offset_s: float) -> list[Switch]:

@@ -9,9 +9,9 @@ from typing import Literal
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
-from camp.errors import CampError
-from camp.motion.gaits import GAIT_PHASES
-from camp.motion.skills import Skill
+from camp.common.errors import CampError
+from camp.gaits.schedule import GAIT_PHASES
+from camp.gaits.skills import Skill
 from camp.robots.go2 import JOINT_NAMES, NUM_JOINTS
 
 VERSION = 1

@@ -10,11 +10,11 @@ from typing import Protocol
 import torch
 from torch import Tensor
 
-from camp.constants import constant
+from camp.common.tensors import constant
 from camp.envs.measurement import Measurement
 from camp.evaluation.contract import Contract, Numbers
-from camp.motion.gaits import GAIT_PHASES
-from camp.motion.skills import Skill
+from camp.gaits.schedule import GAIT_PHASES
+from camp.gaits.skills import Skill
 from camp.robots.go2 import DEFAULT_JOINT_POSITION, JOINT_NAMES, NUM_JOINTS
 
 Answer = Callable[[Tensor], Tensor]  # observation (N, O) -> the network's answer (N, 12)

@@ -6,11 +6,11 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from camp.errors import CampError
+from camp.common.errors import CampError
 from camp.evaluation.config import EvaluationConfig
-from camp.evaluation.judge import Judgement
-from camp.rendering import RobotRenderer, write_video
+from camp.evaluation.evaluator import Judgement
 from camp.robots import go2
+from camp.sim.rendering import RobotRenderer, write_video
 
 STEPS_PER_FRAME = 2  # 25 frames per second
 

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from camp.evaluation.reading import FELL, Reading
 from camp.evaluation.report import ExpertGait, FrictionBin, GaitSummary, PolicySummary, TableI
-from camp.evaluation.values import circular_mean, mean, share
+from camp.evaluation.values import circular_mean, fraction, mean
+from camp.gaits.schedule import nominal_duty, nominal_flight
+from camp.gaits.skills import NO_SKILL
 from camp.metrics.tracking import FAST_COMMAND_M_S
-from camp.motion.clips import Clip
-from camp.motion.gaits import nominal_duty, nominal_flight
-from camp.motion.requests import describe_command
-from camp.motion.skills import NO_SKILL
+from camp.motion.clips.clip import Clip
+from camp.motion.dataset.requests import describe_command
 
 
 def summarize(reading: Reading) -> PolicySummary:
@@ -39,7 +39,7 @@ def summarize_table_i(reading: Reading, friction: NDArray[np.floating], edges: S
             FrictionBin(
                 low=bounds[i],
                 high=bounds[i + 1],
-                right=share(reading.right[index == i]),
+                right=fraction(reading.right[index == i]),
                 falls=int(reading.fallen[index == i].sum()),
             )
             for i in range(len(edges) + 1)
@@ -82,7 +82,7 @@ def _averages(reading: Reading, chosen: NDArray[np.bool_]) -> GaitSummary:
     return GaitSummary(
         rollouts=int(chosen.sum()),
         falls=int(reading.fallen[chosen].sum()),
-        gait_accuracy=share(reading.right[chosen]),
+        gait_accuracy=fraction(reading.right[chosen]),
         failed={name: int((value & upright).sum()) for name, value in reading.failed.items()},
         stepping=float(reading.stepping[chosen].mean()),
         frequency_hz=mean(gait.frequency_hz[stepping]),

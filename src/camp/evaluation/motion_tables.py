@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rich.table import Table
 
-from camp.evaluation.cells import cell, percent, share_cells, table
+from camp.evaluation.cells import cell, fraction_cells, percent, table
 from camp.evaluation.report import ConditionSummary, JointReference, ReferenceSummary, SwitchGroup, SwitchingSummary
 
 _KINDS = ("thigh", "calf")
@@ -43,7 +43,7 @@ def robustness_table(robustness: dict[str, ConditionSummary]) -> Table:
         result.add_row(
             name,
             str(part.rollouts),
-            *share_cells(part.gait_accuracy),
+            *fraction_cells(part.gait_accuracy),
             f"{weakest} {percent(part.skills[weakest])}",
             str(part.falls),
             cell(part.linear_error_m_s, ".3f"),
@@ -58,7 +58,7 @@ def _joint(found: JointReference | None) -> str:
 
 def _switch(part: SwitchGroup) -> list[str]:
     return [
-        *share_cells(part.established),
+        *fraction_cells(part.completed),
         cell(part.seconds_median, ".2f"),
         cell(part.seconds_90_percent, ".2f"),
         percent(part.at_switch.peak_torque_share),

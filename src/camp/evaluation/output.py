@@ -1,4 +1,4 @@
-"""What every judging command shares: expert motions, progress, printed tables and result files."""
+"""What every judging command fractions: expert motions, progress, printed tables and result files."""
 
 from __future__ import annotations
 
@@ -9,17 +9,18 @@ import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from camp.errors import ConfigError
-from camp.evaluation.judge import Judgement
+from camp.common.errors import ConfigError
+from camp.common.files import whole_file
+from camp.common.paths import assets_root
+from camp.evaluation.evaluator import Judgement
 from camp.evaluation.report import Report, write_report
 from camp.evaluation.rollout import Progress as Steps
 from camp.evaluation.tables import printed
-from camp.files import whole_file
-from camp.motion.clips import Clip, load_clips
-from camp.motion.gaits import GAIT_PHASES
-from camp.paths import assets_root
+from camp.gaits.schedule import GAIT_PHASES
+from camp.motion.clips.clip import Clip
+from camp.motion.clips.store import load_clips
+from camp.runs.folder import ARRAYS, REPORT
 
-REPORT_FILE, ARRAYS_FILE = "eval.json", "eval.npz"
 TABLE_WIDTH = 150  # characters, where the output is not a terminal
 LINES = 5  # of progress, where the output is not a terminal
 
@@ -60,8 +61,8 @@ def print_report(report: Report) -> None:
 
 def write_judgement(folder: Path, judgement: Judgement) -> None:
     """Write eval.json and eval.npz. Raises ConfigError where the folder cannot be written."""
-    write_report(folder / REPORT_FILE, judgement.report)
-    path = folder / ARRAYS_FILE
+    write_report(folder / REPORT, judgement.report)
+    path = folder / ARRAYS
     try:
         with whole_file(path) as file:
             np.savez_compressed(file, allow_pickle=False, **judgement.arrays)  # pyright: ignore[reportArgumentType]

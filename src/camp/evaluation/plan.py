@@ -1,4 +1,4 @@
-"""Who is asked for what: the robots of one batch, with the commands, skills, starts and troubles of each."""
+"""Who is asked for what: the robots of one batch, with the commands, skills, starts and disturbances of each."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from camp.common.seeding import generator
 from camp.envs.randomization import sample_dynamics
 from camp.evaluation.config import EvaluationConfig
 from camp.evaluation.contract import CommandRange
@@ -19,16 +20,15 @@ from camp.evaluation.sampling import (
     switch_sequences,
     walk_starts,
 )
-from camp.motion.sampler import ReferenceStates
-from camp.motion.skills import Skill
-from camp.seeding import generator
+from camp.gaits.skills import Skill
+from camp.motion.clips.sampler import ReferenceStates
 from camp.sim.base import Dynamics
 
 ONE_SIZE = (1.0, 1.0)
 
 
 @dataclass
-class Trouble:
+class Disturbances:
     """What befalls each of R robots; see `Condition`."""
 
     noise: Tensor  # (R,)
@@ -50,7 +50,7 @@ class Plan:
     command: Tensor  # (R, 3) vx, vy in m/s, yaw rate in rad/s
     starts: Starts
     dynamics: Dynamics
-    trouble: Trouble
+    disturbances: Disturbances
 
     def __len__(self) -> int:
         return len(self.command)
@@ -66,14 +66,16 @@ def joined(name: str, plans: Sequence[Plan]) -> Plan:
     steps = max(plan.steps for plan in plans)
     skill = [torch.cat([p.skill, p.skill[:, -1:].expand(-1, steps - p.steps)], dim=1) for p in plans]
     dynamics = [plan.dynamics.tensors() for plan in plans]
-    trouble = [vars(plan.trouble) for plan in plans]
+    disturbances = [vars(plan.disturbances) for plan in plans]
     return Plan(
         name=name,
         skill=torch.cat(skill),
         command=torch.cat([plan.command for plan in plans]),
         starts=Starts.joined([plan.starts for plan in plans]),
         dynamics=Dynamics(**{name: torch.cat([part[name] for part in dynamics]) for name in dynamics[0]}),
-        trouble=Trouble(**{name: torch.cat([part[name] for part in trouble]) for name in trouble[0]}),
+        disturbances=Disturbances(
+            **{name: torch.cat([part[name] for part in disturbances]) for name in disturbances[0]}
+        ),
     )
 
 
@@ -118,7 +120,7 @@ class Planner:
         wanted = self.evaluation.table_i
         plan = self.walks(wanted.per_skill, "table_i")
         plan.dynamics = sample_dynamics(len(plan), self.evaluation.randomization, self._stream("dynamics"))
-        plan.trouble = Trouble.of(len(plan), noise=1.0, push_m_s=wanted.push_m_s)
+        plan.disturbances = Disturbances.of(len(plan), noise=1.0, push_m_s=wanted.push_m_s)
         return plan
 
     def robustness(self) -> Plan:
@@ -127,7 +129,9 @@ class Planner:
         for condition in self.evaluation.robustness.all():
             plan = self.walks(self.evaluation.robustness.per_skill, "robustness")
             plan.dynamics = condition.dynamics(len(plan), self.evaluation.randomization.nominal_friction)
-            plan.trouble = Trouble.of(len(plan), condition.noise, condition.push_m_s, condition.delay_s, condition.loss)
+            plan.disturbances = Disturbances.of(
+                len(plan), condition.noise, condition.push_m_s, condition.delay_s, condition.loss
+            )
             plans.append(plan)
         return joined("robustness", plans)
 
@@ -149,7 +153,7 @@ class Planner:
     def _plan(self, name: str, skill: Tensor, command: Tensor, starts: Starts) -> Plan:
         friction = self.evaluation.randomization.nominal_friction
         dynamics = Dynamics.nominal(len(command), friction, torch.device("cpu"))
-        return Plan(name, skill, command, starts, dynamics, Trouble.of(len(command)))
+        return Plan(name, skill, command, starts, dynamics, Disturbances.of(len(command)))
 
     def _stream(self, name: str) -> torch.Generator:
         return generator(self.evaluation.seed, f"evaluation/{name}")

@@ -10,11 +10,10 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from camp.config import Config
+from camp.common.errors import CampError
+from camp.config.schema import Config
 from camp.envs.observations import actor_entries
-from camp.errors import CampError
 from camp.evaluation.contract import CommandRange, Contract, Output, Term
-from camp.policy_metadata import read_metadata
 from camp.robots import go2
 
 
@@ -108,17 +107,6 @@ class OnnxAnswer:
             parts = [self._session.run([self._output], {self._input.name: row[None]})[0] for row in rows]
             return torch.from_numpy(np.concatenate([np.asarray(part) for part in parts]))
         return torch.from_numpy(np.array(self._session.run([self._output], {self._input.name: rows})[0]))
-
-
-def contract_inside(answer: OnnxAnswer) -> Contract:
-    """The contract of a policy that `camp.export` wrote. Raises CampError for another file."""
-    if "joint_names" not in answer.metadata:
-        raise CampError(f"policy {answer.path}: holds no metadata of camp.export; give contract=<file>")
-    try:
-        metadata = read_metadata(answer.metadata)
-        return contract_of_metadata(answer.path.stem, metadata)
-    except (CampError, KeyError) as error:
-        raise CampError(f"policy {answer.path}: {error}; export it again, or give contract=<file>") from error
 
 
 def _contract(name: str, skills: list[str], observed: bool, allowed: CommandRange, **rest: Any) -> Contract:

@@ -11,8 +11,8 @@ from camp.metrics.effort import (
     action_rate,
     cost_of_transport,
     foot_slip,
-    share_at_limit,
-    share_near_stop,
+    fraction_at_limit,
+    fraction_near_stop,
     torque_use,
 )
 from camp.robots import go2
@@ -42,8 +42,8 @@ def _averages(reading: Reading, chosen: np.ndarray, mass: float) -> QualitySumma
     return QualitySummary(
         falls_per_minute=float(reading.fallen[chosen].sum() / minutes) if minutes > 0 else None,
         peak_torque_share=mean(peak),
-        torque_at_limit_share=mean(share_at_limit(every, np.array(go2.TORQUE_LIMIT))),
-        joint_near_stop_share=mean(share_near_stop(position, lower, upper, STOP_MARGIN_RAD)),
+        torque_at_limit_share=mean(fraction_at_limit(every, np.array(go2.TORQUE_LIMIT))),
+        joint_near_stop_share=mean(fraction_near_stop(position, lower, upper, STOP_MARGIN_RAD)),
         joint_speed_peak_share=mean(speeds.max(axis=(1, 2), initial=0.0)),
         action_rate_rad=mean(action_rate(recording.joint_target[:, first:])),
         foot_slip_m_s=mean(foot_slip(recording.foot_speed[:, first:], recording.step_contact[:, first:])),

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camp.evaluation.recording import Recording
+from camp.gaits.skills import NO_SKILL, Skill
 from camp.metrics.criteria import CRITERIA, WalkReading, failures, is_right, read_walks
 from camp.metrics.tracking import VelocityError, mean_velocity, velocity_error
-from camp.motion.skills import NO_SKILL, Skill
 
 FELL = "fell"
 

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from camp.build import Run
-from camp.config import as_yaml
+from camp.config.resolve import as_yaml
 from camp.evaluation.report import Report, as_plain
-from camp.logger import RunIdentity, start_wandb
+from camp.runs.wandb_run import RunIdentity, start_wandb
 
 SECTIONS = (
     *("policies", "expert", "table_i", "switching", "tracking"),

@@ -8,13 +8,13 @@ import numpy as np
 
 from camp.evaluation.reading import Reading
 from camp.evaluation.report import JointReference, ReferenceSummary
+from camp.gaits.skills import Skill
 from camp.metrics.reference import ReferenceTracking, mean_stride, reference_tracking
 from camp.metrics.tracking import by_joint_kind
-from camp.motion.clips import Clip
-from camp.motion.skills import Skill
+from camp.motion.clips.clip import Clip
 from camp.robots.go2 import DEFAULT_JOINT_POSITION, NUM_JOINTS
 
-COMPARED = ("thigh", "calf")  # as in the paper; a hip moves by a few degrees, of which any error is a large share
+COMPARED = ("thigh", "calf")  # as in the paper; a hip moves by a few degrees, of which any error is a large fraction
 Strides = Mapping[tuple[str, float, tuple[float, ...]], np.ndarray]  # gait, Hz, command -> mean stride
 
 

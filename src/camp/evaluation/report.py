@@ -1,7 +1,7 @@
 """The report of an evaluation, eval.json: every value with its type, written and read by the same classes.
 
-Shares and means that a target is judged by come with their 95-% interval and sample size. None stands where there was
-nothing to measure.
+Fractions and means that a target is judged by come with their 95-% interval and sample size. None stands where there
+was nothing to measure.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from typing import Literal
 
 from pydantic import TypeAdapter, ValidationError
 
-from camp.errors import CampError
-from camp.files import write_text
+from camp.common.errors import CampError
+from camp.common.files import write_text
 from camp.metrics.statistics import Verdict
 
 FORMAT: Literal[2] = 2  # of eval.json; 1 had neither suite nor intervals
@@ -25,7 +25,7 @@ class ReportError(CampError):
 
 @dataclass
 class Estimate:
-    """A share or a mean with its 95-% interval, from n walks or switches."""
+    """A fraction or a mean with its 95-% interval, from n walks or switches."""
 
     value: float
     low: float
@@ -173,7 +173,7 @@ class SwitchGroup:
     """Some of the switches."""
 
     switches: int
-    established: Estimate | None  # within `within_s`
+    completed: Estimate | None  # within `within_s`
     seconds_median: float | None
     seconds_90_percent: float | None
     at_switch: Peaks
@@ -182,7 +182,7 @@ class SwitchGroup:
 
 @dataclass
 class FirstSequence:
-    """The sequence that is filmed and drawn: s until each skill was established, None for never."""
+    """The sequence that is filmed and drawn: s until each skill was completed, None for never."""
 
     fell: bool
     seconds_to_skill: dict[str, float | None]
@@ -198,7 +198,7 @@ class SwitchingSummary:
     all: SwitchGroup
     by_change: dict[str, SwitchGroup]  # gait, frequency, both
     to_skill: dict[str, SwitchGroup]
-    pairs: dict[str, float | None]  # established share from each gait to each other one
+    pairs: dict[str, float | None]  # completed fraction from each gait to each other one
     first_sequence: FirstSequence
 
 

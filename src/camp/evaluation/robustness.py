@@ -8,7 +8,7 @@ import numpy as np
 
 from camp.evaluation.reading import Reading
 from camp.evaluation.report import ConditionSummary
-from camp.evaluation.values import share
+from camp.evaluation.values import fraction
 
 
 def summarize_robustness(reading: Reading, names: Sequence[str]) -> dict[str, ConditionSummary]:
@@ -21,7 +21,7 @@ def summarize_robustness(reading: Reading, names: Sequence[str]) -> dict[str, Co
         result[name] = ConditionSummary(
             rollouts=each,
             falls=int(part.fallen.sum()),
-            gait_accuracy=share(part.right),
+            gait_accuracy=fraction(part.right),
             linear_error_m_s=float(part.error.linear.mean()),
             yaw_rate_error_rad_s=float(part.error.angular.mean()),
             skills=skills,

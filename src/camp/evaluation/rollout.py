@@ -10,13 +10,13 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from camp.common.seeding import generator
 from camp.envs.config import NoiseConfig, TerminationConfig
 from camp.envs.measurement import Measurement, measure
 from camp.envs.terminations import failed
 from camp.evaluation.controllers import Controller, Sight
 from camp.evaluation.plan import Plan, joined
 from camp.evaluation.simulation import WatchedSimulator, on_floor
-from camp.seeding import generator
 from camp.sim.base import RobotState
 from camp.sim.parameters import Gains
 
@@ -27,7 +27,7 @@ Floats = NDArray[np.floating]
 
 @dataclass(frozen=True)
 class Setting:
-    """What all robots of a batch share."""
+    """What all robots of a batch have in common."""
 
     period_s: float
     gains: Gains
@@ -61,11 +61,11 @@ def roll_out(
     whole = joined("batch", [plan for plan, _ in jobs])
     ends = np.cumsum([len(plan) for plan, _ in jobs]).tolist()
     groups = [
-        (slice(end - len(plan), end), plan, controller, _Trouble(plan, setting))
+        (slice(end - len(plan), end), plan, controller, _Disturbances(plan, setting))
         for end, (plan, controller) in zip(ends, jobs, strict=True)
     ]
     num, steps = len(whole), whole.steps
-    delay = np.round(whole.trouble.delay_s.numpy() / setting.timestep_s).astype(int)
+    delay = np.round(whole.disturbances.delay_s.numpy() / setting.timestep_s).astype(int)
     sim = WatchedSimulator(setting.period_s, setting.timestep_s, setting.threads, setting.gains, delay)
     try:
         sim.prepare(whole.dynamics)
@@ -78,13 +78,13 @@ def roll_out(
         held = whole.starts.joint_target.clone()
         for step in range(steps):
             true = measure(sim.state)
-            for rows, _, controller, trouble in groups:
-                seen = trouble.sensed(_rows(true, rows))
+            for rows, _, controller, disturbances in groups:
+                seen = disturbances.sensed(_rows(true, rows))
                 sight = Sight(seen, whole.command[rows], whole.skill[rows, step], step * setting.period_s)
                 with torch.no_grad():
                     target[rows] = controller(sight)
-                held[rows] = trouble.arriving(target[rows], held[rows])
-                change[rows] = trouble.push(step)
+                held[rows] = disturbances.arriving(target[rows], held[rows])
+                change[rows] = disturbances.push(step)
             sim.push(change)
             sim.step(held)
             fell = failed(measure(sim.state), sim.diverged(), FALL)
@@ -131,11 +131,11 @@ class _Notes:
         return Trace(setting, plan, qpos, qvel, target, contact.reshape(len(plan), -1, 4), upright)
 
 
-class _Trouble:
+class _Disturbances:
     """Sensor noise, pushes and lost targets of one plan's robots."""
 
     def __init__(self, plan: Plan, setting: Setting):
-        self._trouble, self._setting = plan.trouble, setting
+        self._trouble, self._setting = plan.disturbances, setting
         self._steps = max(1, round(setting.push_period_s / setting.period_s))
         self._noise, self._pushes, self._losses = (
             generator(setting.seed, f"evaluation/{plan.name}/{what}") for what in ("noise", "pushes", "losses")

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from camp.constants import constant
+from camp.common.tensors import constant
 from camp.envs import initialization
 from camp.envs.commands import uniform
 from camp.envs.config import InitializationConfig
 from camp.evaluation.config import CommandsConfig, WalksConfig
 from camp.evaluation.contract import CommandRange
-from camp.motion.sampler import ReferenceStates
-from camp.motion.skills import Skill
+from camp.gaits.skills import Skill
+from camp.motion.clips.sampler import ReferenceStates
 from camp.robots.go2 import DEFAULT_JOINT_POSITION
 from camp.sim.base import InitialState
 
@@ -46,8 +46,8 @@ def random_commands(num: int, config: CommandsConfig, allowed: CommandRange | No
     """
     ranges = (config.vx_m_s, config.vy_m_s, config.yaw_rate_rad_s)
     command = torch.stack([uniform(interval, (num,), stream) for interval in ranges], dim=1)
-    keep = torch.rand(num, 3, generator=stream) >= config.zero_component_share
-    moving = torch.rand(num, 1, generator=stream) >= config.zero_share
+    keep = torch.rand(num, 3, generator=stream) >= config.zero_component_fraction
+    moving = torch.rand(num, 1, generator=stream) >= config.zero_fraction
     return clipped(command * keep * moving, allowed)
 
 
@@ -61,7 +61,7 @@ def clipped(command: Tensor, allowed: CommandRange | None) -> Tensor:
 
 def standing_starts(num: int, scale: Sequence[float], stream: torch.Generator) -> Starts:
     """Robots at rest whose joint angles are the default pose's times uniform draws from ``scale``."""
-    config = InitializationConfig(reference_share=0.0, joint_position_scale=list(scale))
+    config = InitializationConfig(reference_fraction=0.0, joint_position_scale=list(scale))
     initial = initialization.standing(num, config, stream)
     return Starts(initial, constant(DEFAULT_JOINT_POSITION, initial.joint_position).expand(num, -1).clone())
 
@@ -69,7 +69,7 @@ def standing_starts(num: int, scale: Sequence[float], stream: torch.Generator) -
 def walk_starts(
     label: Tensor, skills: Sequence[Skill], config: WalksConfig, references: ReferenceStates, stream: torch.Generator
 ) -> Starts:
-    """A start for each of the labels (n,): a share standing, the rest in the midst of a stride of another gait.
+    """A start for each of the labels (n,): a fraction standing, the rest in the midst of a stride of another gait.
 
     Where there is no other gait, of another frequency, or else of any.
     """
@@ -82,7 +82,7 @@ def walk_starts(
     frame = references.sample(before, stream)
     moving = Starts(initialization.from_reference(frame), frame.joint_target_applied_previous)
     still = standing_starts(num, config.standing_scale, stream)
-    stands = torch.rand(num, generator=stream) < config.standing_share
+    stands = torch.rand(num, generator=stream) < config.standing_fraction
     tensors = {
         name: torch.where(stands.view(-1, *(1,) * (value.dim() - 1)), value, moving.tensors()[name])
         for name, value in still.tensors().items()
@@ -100,7 +100,8 @@ def switch_sequences(num_skills: int, length: int) -> list[list[int]]:
     """Sequences of ``length`` labels in which every switch from one skill to another happens exactly once.
 
     A closed walk that takes each of the K (K - 1) directed edges once (Euler; found by Hierholzer's method), cut into
-    pieces that share their ends. The last piece may be shorter; it is filled with its last label, which is no switch.
+    pieces that begin where the one before ends. The last piece may be shorter; it is filled with its last label, which
+    is no switch.
     """
     if num_skills < 2:
         return [[0] * length]

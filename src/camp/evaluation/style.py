@@ -10,9 +10,9 @@ import numpy as np
 from camp.evaluation.reading import Reading
 from camp.evaluation.report import StyleSummary
 from camp.evaluation.values import mean
+from camp.gaits.skills import Skill
 from camp.metrics.style import nearest_distance, stride_window
-from camp.motion.clips import Clip, amp_state
-from camp.motion.skills import Skill
+from camp.motion.clips.clip import Clip, amp_state
 
 WINDOW_S = 2.0  # compared of each motion, to the nearest whole number of strides
 EXPERTS_ASKED = 32  # clips, of all skills together, whose own nearest neighbours are looked for

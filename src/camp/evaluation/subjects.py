@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from camp.build import Run, build_actor
-from camp.checkpoint import latest_checkpoint
-from camp.evaluation.contract import Contract, read_contract
+from camp.common.seeding import generator
+from camp.evaluation.contract import Contract
 from camp.evaluation.controllers import NetworkController, OpenLoopSine, Standing
-from camp.evaluation.judge import MakeController, Subject
-from camp.evaluation.policies import OnnxAnswer, contract_inside, contract_of_run
+from camp.evaluation.evaluator import MakeController, Subject
+from camp.evaluation.policies import OnnxAnswer, contract_of_run
 from camp.evaluation.suite import file_digest
-from camp.seeding import generator
+from camp.runs.checkpoint import latest_checkpoint
 
 
 def subject_of_run(run: Run, folder: Path, name: str, baselines: bool) -> Subject:
@@ -33,16 +33,14 @@ def subject_of_run(run: Run, folder: Path, name: str, baselines: bool) -> Subjec
     )
 
 
-def subject_of_onnx(policy: Path, contract_file: Path | None, baselines: bool) -> Subject:
-    """Anybody's policy. Raises CampError where the file, its contract or the two together cannot be used."""
-    answer = OnnxAnswer(policy)
-    contract = contract_inside(answer) if contract_file is None else read_contract(contract_file)
+def subject_of_onnx(answer: OnnxAnswer, contract: Contract, baselines: bool) -> Subject:
+    """Anybody's policy. Raises CampError where the network does not fit its contract."""
     answer.check(contract)
     return Subject(
         name=contract.name,
         contract=contract,
         controller=lambda: NetworkController(contract, answer),
-        policy=file_digest(policy),
+        policy=file_digest(answer.path),
         baselines=_baselines(contract) if baselines else {},
     )
 

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from camp.evaluation.recording import Recording
 from camp.evaluation.report import FirstSequence, Peaks, SwitchGroup, SwitchingSummary
-from camp.evaluation.values import mean, share
+from camp.evaluation.values import fraction, mean
+from camp.gaits.skills import Skill, performed
 from camp.metrics.effort import torque_use, velocity_jump
 from camp.metrics.gait import measure_over_time, switch_time
-from camp.metrics.switching import peak_in_windows, quantile_of_switches, share_within
-from camp.motion.skills import Skill, performed
+from camp.metrics.switching import fraction_within, peak_in_windows, quantile_of_switches
 from camp.robots import go2
 
 WINDOW_S = 0.5  # behind a switch and, for steady walking, before the next one or the end
@@ -29,7 +29,7 @@ class Switches:
     end: NDArray[np.integer]  # (M,) step at which the next one was, or the sequence's length
     before: NDArray[np.integer]  # (M,) label until then, -1 at step 0
     after: NDArray[np.integer]  # (M,) label from then on
-    seconds: NDArray[np.floating]  # (M,) until the skill was established, nan for never
+    seconds: NDArray[np.floating]  # (M,) until the skill was completed, nan for never
 
     @property
     def true(self) -> NDArray[np.bool_]:
@@ -55,7 +55,7 @@ def find_switches(recording: Recording, skills: Sequence[Skill]) -> Switches:
 def summarize_switching(
     recording: Recording, switches: Switches, skills: Sequence[Skill], within_s: float
 ) -> SwitchingSummary:
-    """Times until the new skill is established, peaks at the switch beside steady ones, falls."""
+    """Times until the new skill is completed, peaks at the switch beside steady ones, falls."""
     true, gaits = switches.true, np.array([skill.gait for skill in skills])
     hertz = np.array([skill.frequency_hz or 0.0 for skill in skills])
     after, before = gaits[switches.after], gaits[switches.before]
@@ -71,7 +71,7 @@ def summarize_switching(
         by_change={name: group(chosen) for name, chosen in changes.items() if (chosen & true).any()},
         to_skill={skill.name: group(switches.after == label) for label, skill in enumerate(skills)},
         pairs={
-            f"{first} to {second}": share_within(
+            f"{first} to {second}": fraction_within(
                 switches.seconds[true & (before == first) & (after == second)], within_s
             )
             for first in names
@@ -101,10 +101,10 @@ class _Groups:
         starts = np.stack([switches.robot, switches.begin], axis=1)[behind]
         ends = np.stack([switches.robot, switches.end - length], axis=1)[steady]
         with np.errstate(invalid="ignore"):
-            established = seconds <= self._within + 1e-9
+            completed = seconds <= self._within + 1e-9
         return SwitchGroup(
             switches=len(seconds),
-            established=share(established),
+            completed=fraction(completed),
             seconds_median=quantile_of_switches(seconds, 0.5),
             seconds_90_percent=quantile_of_switches(seconds, 0.9),
             at_switch=self._peaks(starts),

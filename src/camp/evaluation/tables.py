@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from rich.console import Group
 from rich.table import Table
 
-from camp.evaluation.cells import cell, percent, share_cells, table
+from camp.evaluation.cells import cell, fraction_cells, percent, table
 from camp.evaluation.motion_tables import reference_table, robustness_table, switching_table
 from camp.evaluation.report import (
     Finding,
@@ -82,7 +82,7 @@ def _gaits(report: Report) -> Table:
                 policy,
                 skill,
                 str(part.rollouts),
-                *share_cells(part.gait_accuracy),
+                *fraction_cells(part.gait_accuracy),
                 str(part.falls),
                 percent(part.stepping),
                 cell(part.frequency_hz, ".2f"),
@@ -115,7 +115,7 @@ def _table_i(found: TableI) -> Table:
         result.add_row(
             skill,
             str(part.rollouts),
-            *share_cells(part.gait_accuracy),
+            *fraction_cells(part.gait_accuracy),
             str(part.falls),
             cell(part.linear_error_m_s, ".3f"),
             cell(part.yaw_rate_error_rad_s, ".3f"),
@@ -130,7 +130,7 @@ def _friction(found: TableI) -> Table:
             name = "all" if part.high is None else f"below {part.high:g}"
         else:
             name = f"from {part.low:g}" if part.high is None else f"{part.low:g} to {part.high:g}"
-        result.add_row(name, str(part.right.n if part.right else 0), *share_cells(part.right), str(part.falls))
+        result.add_row(name, str(part.right.n if part.right else 0), *fraction_cells(part.right), str(part.falls))
     return result
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camp.evaluation.report import Estimate
-from camp.metrics.statistics import Interval, mean_interval, share_interval
+from camp.metrics.statistics import Interval, fraction_interval, mean_interval
 
 Floats = NDArray[np.floating]
 
@@ -31,9 +31,9 @@ def estimate(interval: Interval | None) -> Estimate | None:
     return None if interval is None else Estimate(interval.value, interval.low, interval.high, interval.n)
 
 
-def share(holds: NDArray[np.bool_]) -> Estimate | None:
-    """Share of the walks (R,) for which something holds, with Wilson's interval."""
-    return estimate(share_interval(int(holds.sum()), len(holds)))
+def fraction(holds: NDArray[np.bool_]) -> Estimate | None:
+    """Fraction of the walks (R,) for which something holds, with Wilson's interval."""
+    return estimate(fraction_interval(int(holds.sum()), len(holds)))
 
 
 def mean_estimate(values: Floats) -> Estimate | None:

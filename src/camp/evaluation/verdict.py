@@ -21,11 +21,9 @@ def judge_targets(report: Report, targets: TargetsConfig) -> list[Finding]:
         walks = report.table_i.walks.all
         note = f"all skills; {walks.falls} of {walks.rollouts} fall"
         findings.append(_finding("gait accuracy, Table I", targets.table_i_accuracy, walks.gait_accuracy, True, note))
-    if switching is not None and switching.all.established is not None:  # one skill alone has nothing to switch to
+    if switching is not None and switching.all.completed is not None:  # one skill alone has nothing to switch to
         note = f"within {switching.within_s:g} s"
-        findings.append(
-            _finding("switches established", targets.switches_established, switching.all.established, True, note)
-        )
+        findings.append(_finding("switches completed", targets.switches_completed, switching.all.completed, True, note))
     findings += _falls(report, targets.falls_per_100_episodes)
     if "all" in report.tracking:
         errors = report.tracking["all"]

@@ -68,16 +68,16 @@ def touches_per_stride(contact: Bools, frequency_hz: Floats, period_s: float) ->
     return np.where(count >= 2, (count - 1) / np.maximum(whole, 1.0), count / (steps * cycles))
 
 
-def stride_share(contact: Bools, frequency_hz: Floats, period_s: float, tolerance: float) -> Floats:
-    """Share of the times between two touchdowns of a foot that last a stride, (N, T, 4) and (N,) Hz -> (N,).
+def stride_fraction(contact: Bools, frequency_hz: Floats, period_s: float, tolerance: float) -> Floats:
+    """Fraction of the times between two touchdowns of a foot that last a stride, (N, T, 4) and (N,) Hz -> (N,).
 
-    Each within ``tolerance``, a share of the stride, of 1 / frequency; that of the worst leg. 0 for a foot that touches
-    down less than twice, and without a frequency.
+    Each within ``tolerance``, a fraction of the stride, of 1 / frequency; that of the worst leg. 0 for a foot that
+    touches down less than twice, and without a frequency.
     """
     begins = contact[:, 1:] & ~contact[:, :-1]
-    share = np.zeros((len(contact), contact.shape[2]))
+    fraction = np.zeros((len(contact), contact.shape[2]))
     for walk, hz in enumerate(frequency_hz):
-        for leg in range(share.shape[1]) if np.isfinite(hz) else ():
+        for leg in range(fraction.shape[1]) if np.isfinite(hz) else ():
             between = np.diff(np.flatnonzero(begins[walk, :, leg])) * period_s * hz
-            share[walk, leg] = (np.abs(between - 1.0) <= tolerance).mean() if len(between) else 0.0
-    return share.min(axis=1)
+            fraction[walk, leg] = (np.abs(between - 1.0) <= tolerance).mean() if len(between) else 0.0
+    return fraction.min(axis=1)

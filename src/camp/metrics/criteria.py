@@ -13,9 +13,9 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike, NDArray
 
-from camp.metrics.contact import BOUNCE_S, debounced, stride_share, touches_per_stride
+from camp.gaits.schedule import GAIT_PHASES, nominal_duty, nominal_flight
+from camp.metrics.contact import BOUNCE_S, debounced, stride_fraction, touches_per_stride
 from camp.metrics.gait import NO_GAIT, measure_gait, pair_phase_errors
-from camp.motion.gaits import GAIT_PHASES, nominal_duty, nominal_flight
 
 Bools = NDArray[np.bool_]
 Floats = NDArray[np.floating]
@@ -32,19 +32,19 @@ class Limits:
     clips (.04 and .10)."""
 
     bounce_s: float = BOUNCE_S  # losses of contact up to this long are part of the stance
-    window_share: float = 0.9  # of the windows, and of the strides in which a foot lifts
+    window_fraction: float = 0.9  # of the windows, and of the strides in which a foot lifts
     label_window_s: float = 1.0
     frequency_window_s: float = 2.0
     hop_s: float = 0.1  # from one window to the next
-    frequency_tolerance: float = 0.15  # share of the skill's frequency; without one, of the walk's median
+    frequency_tolerance: float = 0.15  # fraction of the skill's frequency; without one, of the walk's median
     frequency_range_hz: tuple[float, float] = (1.0, 5.0)  # faster is chatter, or several touches per stride
     pair_error: float = 0.08  # strides, worst pair of legs
     duty_error: float = 0.15  # each leg, from the gait's own
     touches: tuple[float, float] = (0.9, 1.1)  # per stride, each leg
     stride_tolerance: float = 0.25  # strides, by which the time between two touchdowns of a foot may miss one stride
-    flight_of_own: float = 0.5  # pronk: share of the gait's own flight
-    bound_flight: float = 0.02  # share of the time, where the log is fine enough
-    bound_overlap: float = 0.1  # share of the time that a front and a hind foot stand
+    flight_of_own: float = 0.5  # pronk: fraction of the gait's own flight
+    bound_flight: float = 0.02  # fraction of the time, where the log is fine enough
+    bound_overlap: float = 0.1  # fraction of the time that a front and a hind foot stand
     lift_m: float = 0.02  # highest point of each swing above the ground
 
 
@@ -68,17 +68,17 @@ class ContactLog:
 class WalkReading:
     """What the feet of N walks did, and how steadily."""
 
-    gait: NDArray[np.str_]  # (N,) label of at least `window_share` of the 1-s windows, else "none"
-    gait_share: Floats  # (N,) share of the windows that show the most frequent label
+    gait: NDArray[np.str_]  # (N,) label of at least `window_fraction` of the 1-s windows, else "none"
+    gait_fraction: Floats  # (N,) fraction of the windows that show the most frequent label
     frequency_hz: Floats  # (N,) median of the 2-s windows; nan where none shows a rhythm
     window_frequency: Floats  # (N, W) of each 2-s window
     phase: Floats  # (N, 4) as `measure_gait` gives it
     duty: Floats  # (N, 4)
-    flight: Floats  # (N,) share of the time without a foot on the ground
-    overlap: Floats  # (N,) share of the time in which a front and a hind foot stand
+    flight: Floats  # (N,) fraction of the time without a foot on the ground
+    overlap: Floats  # (N,) fraction of the time in which a front and a hind foot stand
     touches: Floats  # (N, 4) per stride
-    stride_share: Floats  # (N,) share of the times between two touchdowns that last a stride, of the worst leg
-    lift: Floats | None  # (N,) share of the strides in which every foot lifts; None without heights
+    stride_fraction: Floats  # (N,) fraction of the times between two touchdowns that last a stride, of the worst leg
+    lift: Floats | None  # (N,) fraction of the strides in which every foot lifts; None without heights
     stepping: Bools  # (N,) every foot steps
     period_s: float  # of the contacts
 
@@ -100,15 +100,15 @@ def read_walks(log: ContactLog, limits: Limits | None = None) -> WalkReading:
     with np.errstate(invalid="ignore"):
         label = np.where((labels.frequency_hz >= low) & (labels.frequency_hz <= high), labels.label, NO_GAIT)
     num = len(contact)
-    gait, share = _most_frequent(label.reshape(num, -1))
+    gait, fraction = _most_frequent(label.reshape(num, -1))
     frequency = rhythms.frequency_hz.reshape(num, -1)
     median = _median(frequency)
     whole = measure_gait(coarse, period)
     fine = _whole_strides(contact, median, log.period_s)
     on_ground = np.stack([contact[..., :2].any(axis=2), contact[..., 2:].any(axis=2)], axis=2)  # front, hind
     return WalkReading(
-        gait=np.where(share >= limits.window_share, gait, NO_GAIT),
-        gait_share=share,
+        gait=np.where(fraction >= limits.window_fraction, gait, NO_GAIT),
+        gait_fraction=fraction,
         frequency_hz=median,
         window_frequency=frequency,
         phase=whole.phase,
@@ -116,8 +116,8 @@ def read_walks(log: ContactLog, limits: Limits | None = None) -> WalkReading:
         flight=_mean(~on_ground.any(axis=2), fine),
         overlap=_mean(on_ground.all(axis=2), fine),
         touches=touches_per_stride(contact, median, log.period_s),
-        stride_share=stride_share(contact, median, log.period_s, limits.stride_tolerance),
-        lift=None if log.height is None else lift_share(log.height, median, log.height_period_s, limits.lift_m),
+        stride_fraction=stride_fraction(contact, median, log.period_s, limits.stride_tolerance),
+        lift=None if log.height is None else lift_fraction(log.height, median, log.height_period_s, limits.lift_m),
         stepping=np.asarray(whole.stepping.all(axis=1)),
         period_s=log.period_s,
     )
@@ -137,7 +137,7 @@ def failures(
     with np.errstate(invalid="ignore"):
         near = np.abs(reading.window_frequency / wanted[:, None] - 1.0) <= limits.frequency_tolerance
         low, high = limits.frequency_range_hz
-        steady = (near.mean(axis=1) >= limits.window_share) & (measured >= low) & (measured <= high)
+        steady = (near.mean(axis=1) >= limits.window_fraction) & (measured >= low) & (measured <= high)
     hz = np.nan_to_num(measured, nan=2.0)
     own_duty = np.array([nominal_duty(gait, value) for value in hz])
     pair = np.nan_to_num(pair_phase_errors(reading.phase, gait), nan=1.0).max(axis=1)
@@ -148,9 +148,9 @@ def failures(
         "frequency": ~steady,
         "phase": pair > limits.pair_error,
         "duty": np.abs(reading.duty - own_duty[:, None]).max(axis=1) > limits.duty_error,
-        "touches": several | (reading.stride_share < limits.window_share),
+        "touches": several | (reading.stride_fraction < limits.window_fraction),
         "flight": _grounded(reading, gait, hz, limits),
-        "lift": np.zeros(len(hz), dtype=bool) if reading.lift is None else reading.lift < limits.window_share,
+        "lift": np.zeros(len(hz), dtype=bool) if reading.lift is None else reading.lift < limits.window_fraction,
     }
 
 
@@ -159,8 +159,8 @@ def is_right(failed: Mapping[str, Bools]) -> Bools:
     return ~np.any(list(failed.values()), axis=0)
 
 
-def lift_share(height: Floats, frequency_hz: Floats, period_s: float, lift_m: float) -> Floats:
-    """Share of the strides in which every foot is ``lift_m`` m above the ground at some time.
+def lift_fraction(height: Floats, frequency_hz: Floats, period_s: float, lift_m: float) -> Floats:
+    """Fraction of the strides in which every foot is ``lift_m`` m above the ground at some time.
 
     height: (N, T, 4) m; frequency_hz: (N,). Strides are counted from the first row. 0 without a frequency.
     """
@@ -195,10 +195,10 @@ def _in_windows(contact: Bools, period_s: float, window_s: float, hop_s: float):
 
 
 def _most_frequent(label: NDArray[np.str_]) -> tuple[NDArray[np.str_], Floats]:
-    """(N, W) -> the most frequent gait (N,) and its share."""
+    """(N, W) -> the most frequent gait (N,) and its fraction."""
     names = np.array(list(GAIT_PHASES))
-    share = np.stack([(label == name).mean(axis=1) for name in names], axis=1)
-    return names[share.argmax(axis=1)], share.max(axis=1)
+    fraction = np.stack([(label == name).mean(axis=1) for name in names], axis=1)
+    return names[fraction.argmax(axis=1)], fraction.max(axis=1)
 
 
 def _median(frequency: Floats) -> Floats:

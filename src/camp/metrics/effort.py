@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from camp.motion.rigid_body import GRAVITY
+from camp.robots.go2 import GRAVITY
 
 Array = NDArray[np.floating]
 
@@ -19,17 +19,17 @@ def action_rate(joint_target: Array) -> Array:
 
 
 def torque_use(torque: Array, limit: Array) -> Array:
-    """Largest share of its limit that any joint's torque reaches: (..., J) N m and (J,) N m -> (...,)."""
+    """Largest fraction of its limit that any joint's torque reaches: (..., J) N m and (J,) N m -> (...,)."""
     return np.abs(np.asarray(torque, dtype=np.float64) / np.asarray(limit)).max(axis=-1)
 
 
-def share_at_limit(value: Array, limit: Array, tolerance: float = 0.01) -> Array:
-    """Share of the samples within ``tolerance`` of their limit: (..., T, J) and (J,) -> (...,); 0.01 is one percent."""
+def fraction_at_limit(value: Array, limit: Array, tolerance: float = 0.01) -> Array:
+    """Fraction of the samples within ``tolerance`` of their limit: (..., T, J) and (J,) -> (...,); 0.01: 1 %."""
     return (np.abs(value) >= (1.0 - tolerance) * np.asarray(limit)).mean(axis=(-2, -1))
 
 
-def share_near_stop(joint_position: Array, lower: Array, upper: Array, margin: float) -> Array:
-    """Share of the samples within ``margin`` (rad) of a joint's stop, or beyond: (..., T, J) and (J,) -> (...,)."""
+def fraction_near_stop(joint_position: Array, lower: Array, upper: Array, margin: float) -> Array:
+    """Fraction of the samples within ``margin`` (rad) of a joint's stop, or beyond: (..., T, J) and (J,) -> (...,)."""
     position = np.asarray(joint_position)
     near = (position < np.asarray(lower) + margin) | (position > np.asarray(upper) - margin)
     return near.mean(axis=(-2, -1))

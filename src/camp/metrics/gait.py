@@ -15,7 +15,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from camp.motion.gaits import GAIT_PHASES
+from camp.gaits.schedule import GAIT_PHASES
 
 Array = NDArray[np.floating]
 
@@ -38,11 +38,11 @@ class GaitMeasurement:
     """What the feet of N robots did.
 
     frequency_hz    (N,)   stride frequency, Hz; nan where no foot steps
-    phase           (N, 4) in [0, 1): share of a stride by which the middle of each leg's stance comes after
-                           FL's, the touchdown offset of `camp.motion.gaits` where duties are equal; nan where
+    phase           (N, 4) in [0, 1): fraction of a stride by which the middle of each leg's stance comes after
+                           FL's, the touchdown offset of `camp.gaits.schedule` where duties are equal; nan where
                            that foot or FL does not step
-    duty            (N, 4) share of the stride in stance
-    flight_fraction (N,)   share of the time with no foot on the floor
+    duty            (N, 4) fraction of the stride in stance
+    flight_fraction (N,)   fraction of the time with no foot on the floor
     rhythm          (N, 4) amplitude of the fundamental over that of a perfectly periodic foot of the same
                            duty: 1 regular, 0 still
     stepping        (N, 4) bool: rhythm and duty both are those of a stepping foot
@@ -141,8 +141,8 @@ def switch_time(label: Sequence[str], gait: str, switch_step: int, period_s: flo
     length = round(hold_s / period_s)
     if len(right) < length:
         return float("nan")
-    established = np.flatnonzero(sliding_window_view(right, length).all(axis=1))
-    return float(established[0] * period_s) if len(established) else float("nan")
+    completed = np.flatnonzero(sliding_window_view(right, length).all(axis=1))
+    return float(completed[0] * period_s) if len(completed) else float("nan")
 
 
 def _segments(signal: Array, period_s: float) -> Array:

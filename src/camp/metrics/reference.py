@@ -60,5 +60,5 @@ def reference_tracking(
 def _at(stride: Floats, phase: Floats) -> Floats:
     """The stride (B, J) at phases (T,) in rows, linear in between: (T, J)."""
     low = np.floor(phase).astype(int)
-    share = (phase - low)[:, None]
-    return stride[low % PHASES] * (1.0 - share) + stride[(low + 1) % PHASES] * share
+    fraction = (phase - low)[:, None]
+    return stride[low % PHASES] * (1.0 - fraction) + stride[(low + 1) % PHASES] * fraction

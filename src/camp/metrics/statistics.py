@@ -1,4 +1,4 @@
-"""What a sample shows: intervals of shares and means, and whether a target is shown by them. scipy does the work."""
+"""What a sample shows: intervals of fractions and means, and whether a target is shown by them. scipy does the work."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Interval:
         return "missed" if (self.high < target if at_least else self.low > target) else "not shown"
 
 
-def share_interval(count: int, n: int) -> Interval | None:
+def fraction_interval(count: int, n: int) -> Interval | None:
     """Wilson's interval of ``count`` in ``n`` independent trials; None for none."""
     return _proportion(count, n, "wilson")
 

@@ -8,21 +8,21 @@ from numpy.typing import NDArray
 Array = NDArray[np.floating]
 
 
-def share_within(seconds: Array, limit_s: float) -> float | None:
-    """Share of the switches (M,) that took at most ``limit_s`` s; nan means never. None for no switches."""
+def fraction_within(seconds: Array, limit_s: float) -> float | None:
+    """Fraction of the switches (M,) that took at most ``limit_s`` s; nan means never. None for no switches."""
     seconds = np.asarray(seconds, dtype=np.float64)
     return float((seconds <= limit_s + 1e-9).mean()) if len(seconds) else None  # a comparison with nan is false
 
 
-def quantile_of_switches(seconds: Array, share: float) -> float | None:
-    """The time in s by which ``share`` of the switches (M,) had come about; None where fewer ever did.
+def quantile_of_switches(seconds: Array, fraction: float) -> float | None:
+    """The time in s by which ``fraction`` of the switches (M,) had come about; None where fewer ever did.
 
     A switch that never came about (nan) counts as one that takes longer than all others.
     """
     ordered = np.sort(np.nan_to_num(np.asarray(seconds, dtype=np.float64), nan=np.inf))
     if len(ordered) == 0:
         return None
-    reached = float(ordered[int(np.ceil(share * len(ordered))) - 1])
+    reached = float(ordered[int(np.ceil(fraction * len(ordered))) - 1])
     return reached if np.isfinite(reached) else None
 
 

@@ -1,1 +1,1 @@
-"""Expert motions: a model-based controller makes them, clips keep them, the validator judges them."""
+"""Expert motion: clips, the controller that makes them, the data set, exchange with other formats."""

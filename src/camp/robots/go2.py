@@ -33,6 +33,7 @@ THIGH_LENGTH = 0.213  # m, thigh joint to calf joint
 CALF_LENGTH = 0.213  # m, calf joint to the foot's centre, along the calf
 FOOT_OFFSET_X = -0.002  # m, foot's centre behind the calf's axis
 FOOT_RADIUS = 0.022  # m
+GRAVITY = 9.81  # m/s^2, of the model
 CONTACT_FORCE = 1.0  # N, least ground reaction that counts as contact
 
 PD_GAIN_P = (30.0, 30.0, 40.0) * NUM_LEGS  # N m/rad, paper, "Action space"

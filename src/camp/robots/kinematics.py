@@ -11,7 +11,7 @@ import math
 import torch
 from torch import Tensor
 
-from camp.constants import constant
+from camp.common.tensors import constant
 from camp.robots import go2
 
 _CALF = math.hypot(go2.CALF_LENGTH, go2.FOOT_OFFSET_X)  # m, calf joint to foot centre

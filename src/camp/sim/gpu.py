@@ -11,11 +11,11 @@ import torch
 import warp as wp
 from torch import Tensor
 
-from camp.errors import SimulationError
+from camp.common.errors import SimulationError
 from camp.robots import go2
 from camp.sim.base import Dynamics, InitialState, RobotState, select
+from camp.sim.cuda_graph import CudaGraph
 from camp.sim.parameters import FIELD_NAMES, NOMINAL_GAINS, Gains, ModelFields, nominal_friction
-from camp.sim.program import Program
 
 wp.config.log_level = wp.LOG_WARNING  # or every kernel would be announced
 
@@ -81,7 +81,7 @@ class GpuSimulator:
             for _ in range(substeps):
                 mjw.step(model, data)
 
-        self.control_step = Program(control_step, self.device)
+        self.control_step = CudaGraph(control_step, self.device)
         self._overflow.zero_()
         self.prepare(Dynamics.nominal(num_envs, nominal_friction(self.model), self.device))
         everyone = torch.ones(num_envs, dtype=torch.bool, device=self.device)
@@ -157,7 +157,7 @@ class _NextDynamics:
             prepared = mjw.put_model(model, batch_sizes=dict.fromkeys(names, num_envs))
             scratch = mjw.make_data(model, nworld=num_envs, nconmax=0, njmax=0)
         groups = int(mjw.SetConstGroup.FIXED | mjw.SetConstGroup.INERT0)
-        self._derive = Program(lambda: mjw.set_const(prepared, scratch, groups, restore=False), device)
+        self._derive = CudaGraph(lambda: mjw.set_const(prepared, scratch, groups, restore=False), device)
         self.fields = {name: wp.to_torch(getattr(prepared, name)) for name in names}  # (N, ...) each
 
     def prepare(self, dynamics: Dynamics) -> None:

@@ -1,0 +1,1 @@
+"""Speed of simulation, environment and training: ``python -m camp.bench``."""

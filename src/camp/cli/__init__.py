@@ -1,0 +1,1 @@
+"""How every command runs: arguments, errors in one line, exit codes."""

@@ -1,0 +1,1 @@
+"""The ground: errors, checks, files, paths, random streams, processes, threads. It imports nothing of camp."""

@@ -1,0 +1,1 @@
+"""The typed configuration: schema, composition, and Hydra's errors in plain words."""

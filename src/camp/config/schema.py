@@ -1,0 +1,97 @@
+"""The typed configuration of training: one dataclass per group of conf/, checked before anything is built.
+
+Values live in YAML (conf/); here are the types, the units and the ranges.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from omegaconf import MISSING
+
+from camp.algo.config import AlgoConfig
+from camp.common import checks
+from camp.envs.config import EnvConfig
+from camp.motion.config import MotionConfig
+from camp.robots import go2
+from camp.robots.config import RobotConfig
+from camp.runs.config import LoggerConfig
+from camp.sim.config import SimConfig
+
+
+@dataclass
+class RunConfig:
+    """conf/run: how long and how often."""
+
+    iterations: int = MISSING  # of collecting and updating
+    rollout_steps: int = MISSING  # control steps per iteration and environment
+    critic_warmup: int = MISSING  # first iterations that train the critic and the priors alone (after imitation)
+    checkpoint_every: int = MISSING  # iterations
+    checkpoints_kept: int = MISSING
+    gait_window_s: float = MISSING  # of foot contacts that a live gait reading looks at
+    gait_every: int = MISSING  # iterations between live readings of gaits and of the style discriminator's logits
+
+    def check(self) -> None:
+        for name in ("iterations", "rollout_steps", "checkpoint_every", "checkpoints_kept", "gait_every"):
+            checks.count(f"run.{name}", getattr(self, name))
+        checks.not_negative("run.critic_warmup", self.critic_warmup)
+        checks.require(
+            self.gait_window_s >= 1.0,
+            "run.gait_window_s",
+            self.gait_window_s,
+            "choose 1 s or more: two slow strides",
+        )
+
+
+@dataclass
+class Config:
+    """All of conf/train.yaml."""
+
+    seed: int = MISSING
+    variant: str = MISSING  # names and groups the run
+    device: str = MISSING  # of the learner: auto, cpu, cuda, cuda:1
+    output_dir: str = MISSING
+    resume: str | None = MISSING  # a run folder to continue
+    env: EnvConfig = field(default_factory=EnvConfig)
+    sim: SimConfig = field(default_factory=SimConfig)
+    robot: RobotConfig = field(default_factory=RobotConfig)
+    motion: MotionConfig = field(default_factory=MotionConfig)
+    algo: AlgoConfig = field(default_factory=AlgoConfig)
+    run: RunConfig = field(default_factory=RunConfig)
+    logger: LoggerConfig = field(default_factory=LoggerConfig)
+
+    def check(self) -> None:
+        """Raise ConfigError for the first value that cannot work, alone or beside another."""
+        checks.seed("seed", self.seed)
+        allowed = "letters, digits, '.', '_' and '-'"
+        clean = bool(self.variant) and all(c.isalnum() or c in "._-" for c in self.variant)
+        checks.require(clean, "variant", self.variant, f"name it with {allowed}")
+        for part in (self.env, self.sim, self.robot, self.motion, self.algo, self.run, self.logger):
+            part.check()
+        substeps = self.env.control_period_s / self.sim.physics_timestep_s
+        checks.require(
+            abs(substeps - round(substeps)) < 1e-6 and round(substeps) >= 1,
+            "env.control_period_s",
+            self.env.control_period_s,
+            f"choose a multiple of sim.physics_timestep_s ({self.sim.physics_timestep_s} s)",
+        )
+        checks.require(
+            self.algo.ppo.update_normalizer or self.algo.imitation.epochs > 0,
+            "algo.ppo.update_normalizer",
+            self.algo.ppo.update_normalizer,
+            "set it to true without imitation (algo.imitation.epochs=0), or observations are never scaled",
+        )
+        gains = (list(self.robot.kp) * go2.NUM_LEGS, list(self.robot.kd) * go2.NUM_LEGS)
+        checks.require(
+            self.algo.imitation.epochs == 0 or gains == (list(go2.PD_GAIN_P), list(go2.PD_GAIN_D)),
+            "robot.kp",
+            list(self.robot.kp),
+            "the expert's targets are made for the gains of robot=go2; use those, or run=scratch",
+        )
+        samples = self.run.rollout_steps * self.sim.num_envs
+        checks.require(
+            samples >= self.algo.ppo.minibatches,
+            "algo.ppo.minibatches",
+            self.algo.ppo.minibatches,
+            f"choose at most run.rollout_steps x sim.num_envs ({samples})",
+        )

@@ -1,0 +1,1 @@
+"""Policies that leave the project: ONNX, metadata, packages. Importing it needs no torch."""

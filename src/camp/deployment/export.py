@@ -1,0 +1,107 @@
+"""A run's policy as an ONNX graph with its metadata beside it."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import torch
+from torch import Tensor, nn
+
+from camp import __version__
+from camp.algo.models import GaussianActor
+from camp.build import load_run
+from camp.common.errors import ConfigError
+from camp.common.files import whole_file, write_text
+from camp.config.schema import Config
+from camp.deployment.onnx_graph import OPSET, ExportError, largest_difference, policy_graph, require_packages
+from camp.envs.observations import actor_entries
+from camp.gaits.skills import names
+from camp.robots import go2
+from camp.runs.folder import METADATA, MODEL
+
+TOLERANCE = 1e-5  # rad, between the exported policy and torch's
+CHECKED_OBSERVATIONS = 1000
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What was written. difference: largest one to torch's answers on random observations, rad."""
+
+    model: Path
+    metadata: Path
+    difference: float
+
+
+class JointTargets(nn.Module):
+    """The deterministic policy in the robot's units: raw observation (N, 45 + K) -> joint target (N, 12) in rad."""
+
+    default_pose: Tensor
+
+    def __init__(self, actor: GaussianActor, action_scale: float) -> None:
+        """action_scale: rad per unit of the actor's output."""
+        super().__init__()
+        self.actor, self.action_scale = actor, action_scale
+        self.register_buffer("default_pose", torch.tensor(go2.DEFAULT_JOINT_POSITION))
+
+    def forward(self, observation: Tensor) -> Tensor:
+        return self.default_pose + self.action_scale * self.actor(observation)
+
+
+def metadata(config: Config) -> dict[str, Any]:
+    """All that a controller needs besides the network, as plain values; docs/deployment.md tells what each means."""
+    skills = config.motion.skill_set()
+    return {
+        "joint_names": list(go2.JOINT_NAMES),
+        "default_pose": list(go2.DEFAULT_JOINT_POSITION),
+        "kp": list(config.robot.kp) * go2.NUM_LEGS,
+        "kd": list(config.robot.kd) * go2.NUM_LEGS,
+        "action_scale": config.robot.action_scale,
+        "control_period": config.env.control_period_s,
+        "skills": list(names(skills)),
+        "command_range": {
+            "vx_m_s": list(config.env.command.vx_m_s),
+            "vy_m_s": list(config.env.command.vy_m_s),
+            "yaw_rate_rad_s": list(config.env.command.yaw_rate_rad_s),
+        },
+        "observation": [
+            {"name": entry.name, "size": entry.size, "unit": entry.unit} for entry in actor_entries(len(skills))
+        ],
+        "observe_skill": config.env.observe_skill,
+        "camp_version": __version__,
+        "opset": OPSET,
+    }
+
+
+def export_policy(run: Path, output: Path) -> Exported:
+    """Write the latest policy of a run folder into the folder ``output``. Raises CampError."""
+    require_packages()
+    loaded = load_run(run)
+    scale, described = loaded.config.robot.action_scale, metadata(loaded.config)
+    targets = JointTargets(loaded.actor, scale)
+    model = policy_graph(loaded.actor, targets.default_pose, scale, described)
+    difference = largest_difference(model, targets, _plausible_observations(loaded.actor))
+    if not math.isfinite(difference):
+        raise ExportError(f"policy of {run}: its joint targets are not finite; export a run whose training held")
+    if difference > TOLERANCE:
+        raise ExportError(
+            f"policy of {run}: onnxruntime's answers differ from torch's by {difference:.1e} rad; use the versions of "
+            "onnx and onnxruntime in constraints.txt"
+        )
+    paths = output / MODEL, output / METADATA
+    try:
+        with whole_file(paths[0]) as file:
+            file.write(model.SerializeToString())
+    except OSError as error:
+        raise ConfigError(f"output {output}: {error.strerror or error}; choose a folder that can be written") from error
+    write_text(paths[1], json.dumps(described, indent=2) + "\n")
+    return Exported(*paths, difference)
+
+
+def _plausible_observations(actor: GaussianActor) -> Tensor:
+    """Random ones, spread as those that the policy was trained on."""
+    spread = torch.randn(CHECKED_OBSERVATIONS, len(actor.normalizer.mean), generator=torch.Generator().manual_seed(0))
+    return (actor.normalizer.mean + actor.normalizer.std * spread).to(torch.float32)

@@ -1,0 +1,76 @@
+"""What an exported policy tells of itself (docs/deployment.md), read and checked before anything moves."""
+
+from __future__ import annotations
+
+import json
+import math
+import reprlib
+from collections.abc import Mapping
+from typing import Any
+
+from camp.common.errors import CampError
+from camp.robots.go2 import JOINT_NAMES, NUM_JOINTS
+
+LONGEST_PERIOD = 0.1  # s; a gait of 3 strides per second cannot be controlled, nor its contacts seen, more slowly
+ENTRY_SIZES = {
+    "base_angular_velocity": 3,
+    "gravity": 3,
+    "command": 3,
+    "joint_position": NUM_JOINTS,
+    "joint_velocity": NUM_JOINTS,
+    "last_action": NUM_JOINTS,
+}  # of the observation, besides `skill`, which has one number for each skill
+
+
+def read_metadata(properties: Mapping[str, str]) -> dict[str, Any]:
+    """A model's ``metadata_props``, each value as JSON, as plain values that fit the robot. Raises CampError."""
+    metadata: dict[str, Any] = {}
+    for key, text in properties.items():
+        try:
+            metadata[key] = json.loads(text)
+        except ValueError as error:
+            raise _unusable(key, text, "not JSON") from error
+    for key, (holds, expected) in _EXPECTED.items():
+        if key not in metadata:
+            raise CampError(f"metadata {key}: missing; export the policy again")
+        if not holds(metadata[key]):
+            raise _unusable(key, metadata[key], f"not {expected}")
+    sizes = ENTRY_SIZES | {"skill": len(metadata["skills"])}
+    for entry in metadata["observation"]:
+        name = entry.get("name") if isinstance(entry, dict) else None
+        if not isinstance(name, str) or name not in sizes:
+            raise _unusable("observation", entry, f"not one of {', '.join(sizes)}")
+        if entry.get("size") != sizes[name]:
+            raise _unusable("observation", entry, f"its size is not {sizes[name]}")
+    return metadata
+
+
+def _unusable(key: str, value: Any, reason: str) -> CampError:
+    return CampError(f"metadata {key} = {reprlib.repr(value)}: {reason}; export the policy again")
+
+
+def _positive(value: Any) -> bool:
+    return type(value) in (int, float) and 0.0 < value < math.inf
+
+
+def _of_every_joint(value: Any) -> bool:
+    return (
+        isinstance(value, list)
+        and len(value) == NUM_JOINTS
+        and all(type(number) in (int, float) and math.isfinite(number) for number in value)
+    )
+
+
+def _texts(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(text, str) for text in value)
+
+
+_EXPECTED = {
+    "joint_names": (lambda v: _texts(v) and sorted(v) == sorted(JOINT_NAMES), "the robot's 12 joints"),
+    **dict.fromkeys(("default_pose", "kp", "kd"), (_of_every_joint, f"{NUM_JOINTS} finite numbers")),
+    "action_scale": (_positive, "a finite number above 0"),
+    "control_period": (lambda v: _positive(v) and v <= LONGEST_PERIOD, f"in (0, {LONGEST_PERIOD:g}] s"),
+    "skills": (_texts, "a list of names"),
+    "observation": (lambda v: isinstance(v, list), "a list of entries"),
+    "observe_skill": (lambda v: isinstance(v, bool), "true or false"),
+}

@@ -1,0 +1,1 @@
+"""The vocabulary of gaits: schedules of foot contacts, and skills."""

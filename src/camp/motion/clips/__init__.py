@@ -1,0 +1,1 @@
+"""The clip format: one expert motion, its files, their checks, mirror images and samples."""

@@ -1,0 +1,145 @@
+"""Sampling from expert clips: transitions for discriminators, states for reference-state initialization."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from camp.common.errors import ClipError
+from camp.data import Transition
+from camp.gaits.skills import Skill
+from camp.motion.clips.clip import Clip, amp_state
+
+
+def _by_skill(clips: Sequence[Clip], skills: Sequence[Skill]) -> list[list[Clip]]:
+    """Clips per skill, in label order. Raises ClipError where a skill has none or the frame rates differ."""
+    groups = [[clip for clip in clips if skill.includes(clip.gait, clip.frequency_hz)] for skill in skills]
+    for skill, group in zip(skills, groups, strict=True):
+        if not group:
+            found = sorted({f"{clip.gait} {clip.frequency_hz:g} Hz" for clip in clips})
+            raise ClipError(
+                f"skill {skill.name!r}: none of the {len(clips)} clips shows it (found {found}); "
+                "generate them with `python -m camp.dataset` or take it out of motion.skills and motion.frequencies_hz"
+            )
+    periods = sorted({round(clip.dt, 6) for group in groups for clip in group})
+    if len(periods) > 1:
+        raise ClipError(f"clip dt = {periods} s: transitions must be equally spaced; resample to one period")
+    return groups
+
+
+def _tensor(values: np.ndarray, device: torch.device | str) -> Tensor:
+    return torch.as_tensor(np.ascontiguousarray(values, dtype=np.float32), device=device)
+
+
+class Demonstrations:
+    """Expert transitions, drawn before training and kept in memory (the paper's transition preloading)."""
+
+    def __init__(
+        self,
+        clips: Sequence[Clip],
+        skills: Sequence[Skill],
+        num_preloaded: int,
+        generator: torch.Generator,
+        device: torch.device | str = "cpu",
+    ) -> None:
+        """Draws num_preloaded / K transitions of each skill, uniformly and without repetition.
+
+        Pairs never reach across a clip's end. A skill whose clips hold fewer transitions gives all of them;
+        `sample` stays balanced. generator: on the CPU. Raises ClipError for a skill without clips or unequal
+        frame rates.
+        """
+        fraction = max(1, num_preloaded // len(skills))
+        state, skill, counts = [], [], []
+        for label, group in enumerate(_by_skill(clips, skills)):
+            frames = [torch.from_numpy(amp_state(clip)) for clip in group]
+            pairs = torch.cat([torch.stack([s[:-1], s[1:]], dim=1) for s in frames])  # (M_k, 2, S)
+            chosen = pairs[torch.randperm(len(pairs), generator=generator)[:fraction]]
+            state.append(chosen)
+            skill.append(torch.full((len(chosen),), label))
+            counts.append(len(chosen))
+        self.transition = Transition(torch.cat(state), torch.cat(skill)).to(device)
+        self._count = torch.tensor(counts, device=device)  # (K,)
+        self._start = self._count.cumsum(0) - self._count  # (K,) first row of each skill
+
+    def __len__(self) -> int:
+        return len(self.transition)
+
+    @property
+    def memory_bytes(self) -> int:
+        """Bytes held by the preloaded transitions."""
+        tensors = (self.transition.state, self.transition.skill)
+        return sum(t.numel() * t.element_size() for t in tensors)
+
+    def sample(self, n: int, generator: torch.Generator) -> Transition:
+        """n transitions with replacement, the same number of each skill (+-1), skills interleaved.
+
+        generator: on the demonstrations' device.
+        """
+        num_skills = self._count.shape[0]
+        skill = torch.arange(n, device=self._count.device) % num_skills
+        row = self._start[skill] + _uniform_index(self._count[skill], generator)
+        return self.transition.take(row)
+
+
+@dataclass
+class ReferenceState:
+    """States of expert motion to start episodes from, and what goes with them."""
+
+    base_height: Tensor  # (n,) m
+    base_quaternion: Tensor  # (n, 4) w first
+    joint_position: Tensor  # (n, 12) rad
+    joint_velocity: Tensor  # (n, 12) rad/s
+    base_linear_velocity: Tensor  # (n, 3) m/s, base frame
+    base_angular_velocity: Tensor  # (n, 3) rad/s, base frame
+    command: Tensor  # (n, 3) vx, vy m/s, wz rad/s that the clip follows at this frame
+    joint_target_applied_previous: Tensor  # (n, 12) rad, what the PD received in the step before
+
+
+class ReferenceStates:
+    """Draws states for reference-state initialization (Peng et al. 2018)."""
+
+    def __init__(self, clips: Sequence[Clip], skills: Sequence[Skill], device: torch.device | str = "cpu") -> None:
+        """Raises ClipError for a skill without clips or unequal frame rates."""
+        groups = _by_skill(clips, skills)
+        self.num_skills = len(groups)
+        ordered = [clip for group in groups for clip in group]
+        # The first frame of a clip has no previous target, so it is dropped from every row below.
+        length = [len(clip) - 1 for clip in ordered]
+
+        def rows(name: str) -> Tensor:
+            return _tensor(np.concatenate([getattr(clip, name)[1:] for clip in ordered]), device)
+
+        pairs = zip(ordered, length, strict=True)
+        commands = [np.broadcast_to(clip.command, (frames + 1, 3))[1:] for clip, frames in pairs]
+        self._frames = ReferenceState(
+            base_height=rows("base_position")[:, 2],
+            base_quaternion=rows("base_quaternion"),
+            joint_position=rows("joint_position"),
+            joint_velocity=rows("joint_velocity"),
+            base_linear_velocity=rows("base_linear_velocity"),
+            base_angular_velocity=rows("base_angular_velocity"),
+            command=_tensor(np.concatenate(commands), device),
+            joint_target_applied_previous=_tensor(
+                np.concatenate([clip.joint_target_applied[:-1] for clip in ordered]), device
+            ),
+        )
+        self._length = torch.tensor(length, device=device)  # (C,) frames per clip
+        self._first_frame = self._length.cumsum(0) - self._length  # (C,)
+        self._clips = torch.tensor([len(group) for group in groups], device=device)  # (K,) clips per skill
+        self._first_clip = self._clips.cumsum(0) - self._clips  # (K,)
+
+    def sample(self, skill: Tensor, generator: torch.Generator) -> ReferenceState:
+        """One state per label in skill (n,): uniformly a clip of that skill, then a frame t >= 1."""
+        clip = self._first_clip[skill] + _uniform_index(self._clips[skill], generator)
+        row = self._first_frame[clip] + _uniform_index(self._length[clip], generator)
+        return ReferenceState(**{name: values[row] for name, values in vars(self._frames).items()})
+
+
+def _uniform_index(count: Tensor, generator: torch.Generator) -> Tensor:
+    """(n,) int64, each uniform in [0, count); float64, so that no draw rounds up to count."""
+    draw = torch.rand(count.shape, generator=generator, device=count.device, dtype=torch.float64)
+    return (draw * count).long()

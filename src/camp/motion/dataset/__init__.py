@@ -1,0 +1,1 @@
+"""The expert's data set: what is asked for, generated, recorded, validated and reported."""

@@ -1,0 +1,1 @@
+"""The model-based expert: reference, MPC, whole-body control, behind the learner's interface."""

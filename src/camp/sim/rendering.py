@@ -1,0 +1,58 @@
+"""Pictures and videos of the robot, rendered without a display (``MUJOCO_GL=egl`` or ``osmesa``)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import imageio.v2 as imageio
+import mujoco
+import numpy as np
+
+from camp.common.errors import CampError
+
+COLLISION_GROUP = 3  # geoms that are felt but not shown
+
+
+class RobotRenderer:
+    """Draws one robot from its generalized position.
+
+    Args:
+        model: the robot's model.
+        width, height: pixels; even numbers, as video codecs want.
+
+    Raises:
+        CampError: where no off-screen OpenGL is to be had.
+    """
+
+    def __init__(self, model: mujoco.MjModel, width: int = 640, height: int = 480):
+        self._model = model
+        self._data = mujoco.MjData(model)
+        self._option = mujoco.MjvOption()
+        self._option.geomgroup[COLLISION_GROUP] = 0
+        try:
+            self._renderer = mujoco.Renderer(model, height, width)
+        except (RuntimeError, ImportError, AttributeError, mujoco.FatalError) as error:
+            raise CampError(
+                f"rendering: no off-screen OpenGL ({error}); install libegl1 and libgl1-mesa-dri and set "
+                "MUJOCO_GL=egl, or libosmesa6 and MUJOCO_GL=osmesa"
+            ) from error
+
+    def frame(self, qpos: np.ndarray) -> np.ndarray:
+        """(height, width, 3) uint8 picture of the robot at ``qpos`` (19,), from the tracking camera."""
+        self._data.qpos[:] = qpos
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_comPos(self._model, self._data)
+        mujoco.mj_camlight(self._model, self._data)
+        self._renderer.update_scene(self._data, camera="track", scene_option=self._option)
+        return self._renderer.render()
+
+    def close(self) -> None:
+        self._renderer.close()
+
+
+def write_video(path: Path, frames: Iterable[np.ndarray], frames_per_second: float) -> None:
+    """Write frames (height, width, 3) uint8 as an H.264 mp4."""
+    with imageio.get_writer(path, fps=frames_per_second, codec="libx264", quality=7, macro_block_size=2) as writer:
+        for frame in frames:
+            writer.append_data(frame)  # pyright: ignore[reportAttributeAccessIssue]

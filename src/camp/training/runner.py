@@ -1,0 +1,210 @@
+"""The training loop: collect, score, update, log, save."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from camp.algo.losses import gae
+from camp.algo.prior import WithHistograms
+from camp.build import Training
+from camp.common import distributed
+from camp.common.averages import Averages
+from camp.common.seeding import generator_state, global_state, restore_generator, restore_global_state
+from camp.config.schema import Config
+from camp.data import Rollout
+from camp.envs.rewards import mix_rewards
+from camp.gaits.skills import names
+from camp.runs.checkpoint import save_run_checkpoint
+from camp.runs.logger import NoLogger, RunLogger
+from camp.runs.metrics import Metric
+from camp.runs.state import TrainingState, diverged
+from camp.training.alarms import AlarmMonitor, alarms_of
+from camp.training.best import BestCheckpoint
+from camp.training.collector import Collector
+from camp.training.gait_monitor import GaitMonitor
+from camp.training.progress import Progress
+
+
+class Runner:
+    """CAMP: PPO on task, style and skill rewards, while the priors that judge style and skill learn beside it.
+
+    Every rank runs its own, on its share of the robots; networks stay the same on all of them.
+    """
+
+    def __init__(self, training: Training, config: Config, folder: Path):
+        self.training, self.config, self.folder = training, config, folder
+        env = training.env
+        self.monitor = GaitMonitor(
+            config.motion.skill_set(),
+            env.num_envs,
+            config.run.gait_window_s,
+            env.sim.control_period,
+            env.sim.device,
+        )
+        self.alarms = AlarmMonitor(alarms_of(config))
+        self.best = BestCheckpoint()
+        self.collector = Collector(env, training.ppo, self.monitor, training.device)
+        self.iteration = 0  # completed ones
+
+    def start(self) -> None:
+        """Begin the first episodes, with the first rank's networks everywhere."""
+        distributed.copy_from_first(self.training.networks())
+        self.training.env.reset()
+
+    def train(
+        self, logger: RunLogger | NoLogger, progress: Progress, stopping: Callable[[], bool] = lambda: False
+    ) -> None:
+        """Iterate to the end, or until ``stopping`` says so on any rank between two iterations.
+
+        Always saves what was reached.
+        """
+        run = self.config.run
+        saved = self.iteration
+        while self.iteration < run.iterations and not distributed.anywhere(stopping()):
+            metrics = self.iterate()
+            self.best.read(metrics)
+            logger.log(self.iteration, metrics)
+            progress.update(self.iteration, metrics)
+            for line in self.alarms.new():
+                progress.say(f"iteration {self.iteration}: {line}")
+            if self.iteration % run.checkpoint_every == 0:
+                self.save()
+                saved = self.iteration
+        if saved < self.iteration:
+            self.save()
+
+    def iterate(self) -> dict[str, Metric]:
+        """One iteration of the algorithm; returns its metrics."""
+        training, run = self.training, self.config.run
+        started = time.perf_counter()
+        rollout, metrics = self.collector.collect(run.rollout_steps, training.generators["policy"])
+        collected = time.perf_counter()
+
+        terms = self._score(rollout)
+        weights = {"task": self.config.algo.task_weight} | {prior.name: prior.weight for prior in training.priors}
+        reward = mix_rewards(terms, weights)
+        ppo = self.config.algo.ppo
+        advantage, return_ = gae(
+            reward,
+            rollout.value,
+            rollout.next_value,
+            rollout.terminated,
+            rollout.truncated,
+            ppo.gamma,
+            ppo.gae_lambda,
+        )
+        scored = time.perf_counter()
+
+        minibatches = training.generators["minibatches"]
+        if self.iteration < run.critic_warmup:
+            metrics |= training.ppo.update_critic(rollout, return_, minibatches)
+        else:
+            metrics |= training.ppo.update(rollout, advantage, return_, minibatches)
+        policy_updated = time.perf_counter()
+
+        for prior in training.priors:
+            metrics |= prior.update(rollout.transitions(), training.demonstrations, training.generators["priors"])
+        finished = time.perf_counter()
+
+        self.iteration += 1
+        metrics |= self._reward_metrics(terms, rollout)
+        metrics |= {f"reward/{name}/weighted": weights[name] * metrics[f"reward/{name}/raw"] for name in terms}
+        metrics["env/diverged"] = float(distributed.total(torch.tensor(metrics["env/diverged"])))
+        metrics |= self.alarms.update(metrics)
+        readings = self._readings(rollout) if self.iteration % run.gait_every == 0 else {}
+        metrics["time/collect_s"] = collected - started
+        metrics["time/score_s"] = scored - collected
+        metrics["time/policy_update_s"] = policy_updated - scored
+        metrics["time/prior_update_s"] = finished - policy_updated
+        steps = distributed.size() * rollout.skill.numel()
+        metrics["time/steps_per_s"] = steps / (time.perf_counter() - started)
+        metrics["steps"] = float(self.iteration * steps)
+        return metrics | readings
+
+    def save(self) -> None:
+        """Write a checkpoint of everything a bit-for-bit continuation needs, all ranks' parts in one file.
+
+        Raises CheckpointError, and writes and deletes nothing, where the networks are not finite.
+        """
+        state = self.state()
+        entry = state.not_finite()
+        if entry is not None:
+            raise diverged(self.folder, self.iteration, entry)
+        self.best.saved(self.iteration)
+        if distributed.is_first():
+            content = replace(state, best=self.best.state_dict()).as_dict()
+            keep = self.config.run.checkpoints_kept
+            save_run_checkpoint(self.folder, self.iteration, content, keep, self.best.iteration)
+
+    def state(self) -> TrainingState:
+        training = self.training
+        return TrainingState(
+            iteration=self.iteration,
+            ppo=training.ppo.state_dict(),
+            priors={prior.name: prior.state_dict() for prior in training.priors},
+            alarms=self.alarms.state_dict(),
+            best=self.best.state_dict(),
+            ranks=distributed.gather(self._own_state()),
+        )
+
+    def _own_state(self) -> dict[str, Any]:
+        training = self.training
+        return {
+            "memories": {prior.name: prior.memory() for prior in training.priors},
+            "env": training.env.state_dict(),
+            "monitor": self.monitor.state_dict(),
+            "generators": {name: generator_state(g) for name, g in training.generators.items()},
+            "global_random_state": global_state(),
+        }
+
+    def restore(self, state: TrainingState) -> None:
+        """Continue from a saved state, on this rank with its own part."""
+        training = self.training
+        self.iteration = state.iteration
+        training.ppo.load_state_dict(state.ppo)
+        for prior in training.priors:
+            prior.load_state_dict(state.priors[prior.name])
+        self.alarms.load_state_dict(state.alarms)
+        self.best.load_state_dict(state.best)
+        own = state.ranks[distributed.rank()]
+        for prior in training.priors:
+            prior.load_memory(own["memories"][prior.name])
+        training.env.load_state_dict(own["env"])
+        self.monitor.load_state_dict(own["monitor"])
+        for name, generator in training.generators.items():
+            restore_generator(generator, own["generators"][name])
+        restore_global_state(own["global_random_state"])
+
+    def _score(self, rollout: Rollout) -> dict[str, Tensor]:
+        """Every reward term of eq. (2), each (T, N), as judged before this iteration's updates."""
+        terms = {"task": rollout.task_reward}
+        for prior in self.training.priors:
+            terms[prior.name] = prior.reward(rollout.transitions()).view_as(rollout.task_reward)
+        return terms
+
+    def _readings(self, rollout: Rollout) -> dict[str, Metric]:
+        """What is too dear for every iteration: gaits from foot contacts, and how the priors' answers are spread."""
+        training = self.training
+        readings: dict[str, Metric] = {**self.monitor.read()}
+        for prior in training.priors:
+            if isinstance(prior, WithHistograms):
+                generator = training.generators[
+                    "readings"
+                ]  # its own: how often one looks must not change what is learned
+                readings |= prior.histograms(rollout.transitions(), training.demonstrations, generator)
+        return readings
+
+    def _reward_metrics(self, terms: dict[str, Tensor], rollout: Rollout) -> dict[str, float]:
+        """Mean raw reward of every term, over all and while each skill was commanded."""
+        averages, skill = Averages(), rollout.skill.flatten()
+        for name, term in terms.items():
+            averages.add(f"reward/{name}/raw", term)
+            averages.add_per_skill(f"reward/{name}/raw", term.flatten(), skill, names(self.config.motion.skill_set()))
+        return averages.result()

@@ -1,0 +1,133 @@
+"""Imitation of the expert on clips that show it recovering: before CAMP begins, and beside it."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from rich.progress import Progress, track
+
+from camp.algo.imitation import ImitationLoss, imitate
+from camp.build import Training
+from camp.common import distributed
+from camp.common.errors import ClipError
+from camp.common.seeding import generator
+from camp.config.schema import Config
+from camp.gaits import schedule
+from camp.motion import expert
+from camp.motion.clips.clip import Clip
+from camp.motion.clips.mirror import mirrored
+from camp.motion.clips.store import load_clip
+from camp.motion.dataset import generate, recording, requests
+from camp.motion.dataset.generate import generate_dataset
+from camp.motion.dataset.requests import ClipRequest, perturbed_requests
+from camp.robots import go2
+from camp.training.imitation_data import imitation_data
+
+START_S = 0.5  # of a perturbed clip: the slowest gait's first stride
+PERTURBED_SEED = 1  # of the random commands and the noise; the same clips for every training seed
+
+
+def warm_start(training: Training, config: Config) -> list[dict[str, float]]:
+    """Fit the actor to the expert's answers on perturbed clips; metrics of every epoch.
+
+    The demonstrations are left out: hardly ever off their limit cycle, they teach the clone to fall once it is. Nothing
+    happens with ``algo.imitation.epochs = 0``. Perturbed clips that are missing are generated first and kept
+    for the next run. Raises ClipError where too few can be had.
+    """
+    imitation = config.algo.imitation
+    if imitation.epochs == 0:
+        return []
+    data = imitation_data(perturbed_clips(config), config, training.device)
+    steps = imitate(training.ppo.actor, data, imitation, generator(config.seed, "imitation", training.device))
+    metrics = list(track(steps, "imitating the expert", total=imitation.epochs))
+    print(f"imitation: {len(data.observation):,} pairs, loss {metrics[-1]['imitation/loss']:.4f}", flush=True)
+    return metrics
+
+
+def keep_imitating(training: Training, config: Config) -> None:
+    """Add the imitation loss to PPO's on this rank, where ``algo.imitation.ppo_weight`` asks for it.
+
+    Uses the perturbed clips of the warm start; ranks share ``algo.imitation.batch_size``. Raises ClipError where too
+    few can be had, ConfigError where the ranks cannot share it equally.
+    """
+    imitation = config.algo.imitation
+    if imitation.ppo_weight == 0.0:
+        return
+    data = imitation_data(perturbed_clips(config), config, training.device)
+    own = replace(imitation, batch_size=distributed.share("algo.imitation.batch_size", imitation.batch_size))
+    training.ppo.auxiliary_loss = ImitationLoss(data, own, training.generators["imitation"])
+
+
+def perturbed_clips(config: Config) -> list[Clip]:
+    """The clips of conf/motion's ``perturbed_folder``, after generating the missing ones.
+
+    With ``motion.mirrored`` each is followed by its mirror image without the start.
+    """
+    wanted = config.motion
+    cells = [(gait, frequency) for gait in wanted.skills for frequency in wanted.frequencies_hz]
+    requests = perturbed_requests(wanted.perturbed_clips, PERTURBED_SEED, cells)
+    folder = Path(wanted.perturbed_folder or Path(config.output_dir) / "motions" / f"perturbed-{_expert_version()}")
+    folder.mkdir(parents=True, exist_ok=True)
+    with _one_at_a_time(folder):  # jobs of a sweep want the same clips
+        _generate_missing(requests, folder)
+    made = [path for path in (folder / f"{request.name}.npz" for request in requests) if path.is_file()]
+    # A few noisy clips end in a fall and are not kept; many would mean that something is wrong.
+    if len(made) < 0.7 * len(requests):
+        raise ClipError(
+            f"perturbed clips in {folder}: {len(made)} of {len(requests)} could be made; see why with `python -m "
+            f"camp.dataset perturbed --count {wanted.perturbed_clips} --seed {PERTURBED_SEED} --folder {folder}`, "
+            "or train with run=scratch"
+        )
+    clips = [load_clip(path) for path in made]
+    return [one for clip in clips for one in (clip, _under_way(mirrored(clip)))] if wanted.mirrored else clips
+
+
+def _generate_missing(requests: list[ClipRequest], folder: Path) -> None:
+    """Generate the clips that are not there. Those that end in a fall are noted, for the next run not to try again."""
+    note = folder / "failed.txt"
+    failed = set(note.read_text().split()) if note.is_file() else set()
+    wanted = [request for request in requests if request.name not in failed]
+    if all((folder / f"{request.name}.npz").is_file() for request in wanted):
+        return
+    with Progress() as progress, note.open("a") as file:
+        task = progress.add_task(f"perturbed clips in {folder}", total=len(wanted))
+        for outcome in generate_dataset(wanted, folder, workers=os.cpu_count() or 1):
+            if outcome.status == "failed":
+                file.write(f"{outcome.request.name}\n")
+            progress.advance(task)
+
+
+def _under_way(clip: Clip) -> Clip:
+    """The clip without its start.
+
+    A robot that stands is its own mirror image. Shown to begin with the left foot and with the right one, a clone
+    answers with the mean of both and goes on standing.
+    """
+    first = round(START_S / clip.dt)
+    arrays = {name: value for name, value in vars(clip).items() if isinstance(value, np.ndarray)}
+    return replace(clip, **{name: rows[first:] for name, rows in arrays.items() if len(rows) == len(clip)})
+
+
+@contextlib.contextmanager
+def _one_at_a_time(folder: Path) -> Iterator[None]:
+    """Let other processes that come here wait, where the system has file locks."""
+    with (folder / ".lock").open("w") as lock:
+        with contextlib.suppress(ImportError, OSError):
+            import fcntl
+
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def _expert_version() -> str:
+    """Eight letters that change with what the clips depend on: the robot, its gaits, the expert and the requests."""
+    modules = (go2, schedule, requests, generate, recording)
+    sources = [go2.MODEL_PATH, *(Path(str(module.__file__)) for module in modules)]
+    sources += sorted(Path(str(expert.__file__)).parent.glob("*.py"))
+    return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()[:8]

@@ -1,0 +1,49 @@
+"""Mirror images are motions of their own: the robot can repeat them as well as their twins."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from camp.common.paths import assets_root
+from camp.motion.clips.clip import Clip
+from camp.motion.clips.mirror import mirrored
+from camp.motion.clips.store import load_clip
+from camp.motion.dataset.validate import check_clip, heading_velocity, replay_error
+
+FOLDER = assets_root() / "motions" / "go2"
+NAMES = (
+    "trot_3hz_forward_0.5_turn_left_0.4",
+    "pace_2hz_left_0.25",
+    "bound_3hz_turn_right_0.6",
+    "pronk_2hz_in_place",
+)
+
+
+@pytest.fixture(params=NAMES)
+def clip(request: pytest.FixtureRequest) -> Clip:
+    return load_clip(FOLDER / f"{request.param}.npz")
+
+
+def test_mirrored_clip_replays_as_well_as_its_twin(clip: Clip) -> None:
+    assert replay_error(mirrored(clip)) < replay_error(clip) + 0.01
+
+
+def test_mirrored_clip_passes_every_check(clip: Clip) -> None:
+    assert [str(check) for check in check_clip(mirrored(clip)) if not check.passed] == []
+
+
+def test_mirroring_twice_gives_the_clip_back(clip: Clip) -> None:
+    twice = mirrored(mirrored(clip))
+    for name, value in vars(clip).items():
+        np.testing.assert_array_equal(getattr(twice, name), value)
+        if isinstance(value, np.ndarray):
+            assert getattr(twice, name).dtype == value.dtype
+
+
+def test_the_image_goes_the_other_way(clip: Clip) -> None:
+    image = mirrored(clip)
+    np.testing.assert_allclose(heading_velocity(image), heading_velocity(clip) * [1, -1, -1], atol=1e-6)
+    np.testing.assert_array_equal(image.foot_contact[:, 0], clip.foot_contact[:, 1])
+    np.testing.assert_array_equal(image.joint_position[:, 0], -clip.joint_position[:, 3])  # hips
+    np.testing.assert_array_equal(image.joint_position[:, 2], clip.joint_position[:, 5])  # calves

@@ -1,0 +1,43 @@
+"""The best checkpoint is the one whose gaits were read best, and it outlives newer ones."""
+
+from __future__ import annotations
+
+from camp.runs.checkpoint import list_checkpoints, save_run_checkpoint
+from camp.training.best import BestCheckpoint
+
+
+def test_the_latest_reading_before_a_checkpoint_counts():
+    best = BestCheckpoint()
+    best.saved(1)
+    assert best.iteration is None  # nothing was read yet
+    best.read({"gait/trot_2hz/accuracy": 0.5, "gait/pace_2hz/accuracy": 0.7, "gait/stepping": 1.0})
+    best.saved(2)
+    best.read({"gait/trot_2hz/accuracy": 0.9, "reward/task/raw": 5.0})
+    best.read({"ppo/kl": 0.1})  # an iteration without a reading
+    best.saved(3)
+    best.read({"gait/trot_2hz/accuracy": 0.1})
+    best.saved(4)
+    assert best.iteration == 3
+    assert best.state_dict() == {"reading": 0.1, "iteration": 3.0, "score": 0.9}
+
+
+def test_of_equal_ones_the_newest_and_a_continued_run_goes_on():
+    first, second = BestCheckpoint(), BestCheckpoint()
+    first.read({"gait/trot/accuracy": 1.0})
+    first.saved(5)
+    second.load_state_dict(first.state_dict())
+    second.saved(6)
+    assert (first.iteration, second.iteration) == (5, 6)
+
+
+def test_not_a_number_is_no_best():
+    best = BestCheckpoint()
+    best.read({"gait/trot/accuracy": float("nan")})
+    best.saved(1)
+    assert best.iteration is None
+
+
+def test_rotation_spares_the_best(tmp_path):
+    for iteration in range(1, 8):
+        save_run_checkpoint(tmp_path, iteration, {"iteration": iteration}, keep=2, best=3)
+    assert [path.stem[-1] for path in list_checkpoints(tmp_path)] == ["3", "6", "7"]
