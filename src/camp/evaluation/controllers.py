@@ -18,7 +18,7 @@ from camp.gaits.skills import Skill
 from camp.robots.go2 import DEFAULT_JOINT_POSITION, JOINT_NAMES, NUM_JOINTS
 
 Answer = Callable[[Tensor], Tensor]  # observation (N, O) -> the network's answer (N, 12)
-SINE_AMPLITUDE_RAD = 0.15  # of the open-loop baseline's thighs; its calves move twice as far
+SINE_AMPLITUDE_RAD = 0.15  # of the open-loop baseline
 
 
 @dataclass
@@ -122,9 +122,14 @@ class OpenLoopSine:
     """Sines about the default pose at the commanded gait's phases and frequency, blind to the robot.
 
     It gives the contacts a rhythm without walking: the hind feet hardly leave the ground.
+
+    Args:
+        skills: in label order.
+        amplitude_rad: of the thighs; the calves move twice as far.
     """
 
-    def __init__(self, skills: Sequence[Skill]):
+    def __init__(self, skills: Sequence[Skill], amplitude_rad: float = SINE_AMPLITUDE_RAD):
+        self._amplitude = amplitude_rad
         self._phase = torch.tensor([GAIT_PHASES[skill.gait] for skill in skills])  # (K, 4)
         self._frequency = torch.tensor([skill.frequency_hz or 2.0 for skill in skills])
 
@@ -133,7 +138,7 @@ class OpenLoopSine:
 
     def __call__(self, sight: Sight) -> Tensor:
         cycles = sight.time_s * self._frequency[sight.skill][:, None] - self._phase[sight.skill]
-        wave = SINE_AMPLITUDE_RAD * torch.sin(2 * math.pi * cycles)  # (N, 4)
+        wave = self._amplitude * torch.sin(2 * math.pi * cycles)  # (N, 4)
         offset = torch.stack([torch.zeros_like(wave), wave, -2.0 * wave], dim=-1)
         return self._pose + offset.reshape(-1, NUM_JOINTS)
 
