@@ -1,5 +1,5 @@
-"""`python -m analysis [run=<folder>]`: draw a run's four figures into <folder>/figures and print their
-paths. Those of a shipped policy go into outputs/<its name>/figures."""
+"""`python -m analysis [run=<folder>] [only=training|contacts|latent_space]`: draw a run's four figures, or those of one
+kind, into <folder>/figures and print their paths. Those of a shipped policy go into outputs/<its name>/figures."""
 
 from __future__ import annotations
 
@@ -71,9 +71,14 @@ def draw_figures(arguments: Sequence[str]) -> None:
 
     Learning curves come first: they need no evaluation.
     """
-    folder = run_folder(arguments)
+    kinds = {"training": draw_training, "contacts": draw_contacts, "latent_space": draw_latent_space}
+    only = [argument.removeprefix("only=") for argument in arguments if argument.startswith("only=")]
+    unknown = [kind for kind in only if kind not in kinds]
+    if unknown:
+        raise load.AnalysisError(f"only={unknown[0]}: no such figures; choose one of {', '.join(kinds)}")
+    folder = run_folder([argument for argument in arguments if not argument.startswith("only=")])
     try:
-        for draw in (draw_training, draw_contacts, draw_latent_space):
+        for draw in [kinds[kind] for kind in only or kinds]:
             for path in draw(folder):
                 print(path)
     except load.NoLatentSpaceError as absent:

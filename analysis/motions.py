@@ -1,4 +1,4 @@
-"""What does the expert do? Contacts, joints, body and speed of the shipped clips, one figure per gait.
+"""The expert's motions: contacts, joints, body and speed of the shipped clips, one figure per gait.
 
 `python -m analysis.motions [FOLDER] [TARGET]` draws the clips of FOLDER (default: the shipped ones) into TARGET
 (default: docs/motions) and prints the paths.
@@ -21,7 +21,7 @@ from analysis.load import AnalysisError
 from analysis.style import GAIT_COLOURS, INK, new_figure, save, style
 from camp.cli.key_values import run_command
 from camp.common.paths import assets_root
-from camp.gaits.schedule import GAIT_PHASES, GRID_STEPS
+from camp.gaits.gait import GAITS
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.consistency import rotation_matrix
 from camp.motion.clips.store import load_clip
@@ -156,12 +156,12 @@ def _colour(traces: MotionTraces) -> str:
 def draw_motions(folder: Path, target: Path) -> list[Path]:
     """Write <gait>.png for every gait and examples.png; AnalysisError where a clip is missing."""
     paths = []
-    for gait in GAIT_PHASES:
+    for gait in GAITS.values():
         columns = []
-        for frequency in GRID_STEPS:
-            clip = _clip(folder, f"{gait}_{frequency:g}hz_{SHOWN_COMMAND}")
+        for frequency in gait.duty:
+            clip = _clip(folder, f"{gait.name}_{frequency:g}hz_{SHOWN_COMMAND}")
             columns.append(compute_traces(clip, f"{frequency:g} Hz", SHOWN_S))
-        paths.append(save(draw_gait(gait, columns), target / f"{gait}.png"))
+        paths.append(save(draw_gait(gait.name, columns), target / f"{gait.name}.png"))
     examples = [compute_traces(_clip(folder, name), title) for name, title in EXAMPLES.items()]
     return [*paths, save(draw_examples(examples), target / "examples.png")]
 

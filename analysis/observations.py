@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from camp.config.compose import compose_config
 from camp.envs import observations
-from camp.envs.measurement import AMP_ENTRIES, AMP_STATE_SIZE
+from camp.robots.amp_state import AMP_ENTRIES, AMP_STATE_SIZE
 
 TEXT = """\
 # Observations
@@ -35,8 +35,9 @@ def document() -> str:
     """The page, for the shipped configuration."""
     config = compose_config()
     num_skills = len(config.motion.skill_set())
-    actor = observations.actor_entries(num_skills)
-    privileged = observations.privileged_entries()
+    observed = config.env.observation
+    actor = observations.entries_of(observed.policy, num_skills)
+    privileged = observations.entries_of(observed.critic, num_skills)
     return TEXT.format(
         num_skills=num_skills,
         actor_size=observations.size(actor),

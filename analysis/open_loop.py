@@ -68,8 +68,8 @@ def graph() -> onnx.ModelProto:
         constants.append(numpy_helper.from_array(np.asarray(value, dtype=np.float32), name))
         return name
 
-    def add(operator: str, output: str, *inputs: str, **attributes: object) -> str:
-        nodes.append(helper.make_node(operator, list(inputs), [output], **attributes))
+    def add(operator: str, output: str, *inputs: str) -> str:
+        nodes.append(helper.make_node(operator, list(inputs), [output]))
         return output
 
     parts = {"sin": 1, "cos": 1, "vx": 1, "vy": 1, "wz": 1, "leg_cos": 4, "leg_sin": 4, "stride": 1}
@@ -90,9 +90,9 @@ def graph() -> onnx.ModelProto:
     hip = add("Mul", "hip", sideways, cosine)
     # Joints leg by leg: hip, thigh, calf.
     three = [add("Unsqueeze", f"{name}_3", name, _axis(constants, name)) for name in (hip, thigh, calf)]
-    stacked = add("Concat", "stacked", *three, axis=2)
+    nodes.append(helper.make_node("Concat", three, ["stacked"], axis=2))
     constants.append(numpy_helper.from_array(np.array([-1, 12], dtype=np.int64), "shape"))
-    add("Reshape", "offset", stacked, "shape")
+    add("Reshape", "offset", "stacked", "shape")
     model = helper.make_model(
         helper.make_graph(
             nodes,

@@ -1,5 +1,4 @@
-"""One look for every figure: sizes in inches, one colour-blind-safe colour per gait, no global matplotlib
-state."""
+"""The style of all figures: sizes in inches, one colour-blind-safe colour per gait, no global matplotlib state."""
 
 from __future__ import annotations
 
@@ -15,6 +14,8 @@ from matplotlib.figure import Figure
 
 from camp.common.errors import ConfigError
 from camp.common.files import make_folder, whole_file
+from camp.gaits.gait import GAITS
+from camp.gaits.skills import split_name
 from camp.metrics.gait import NO_GAIT
 
 WIDE = (7.2, 3.4)  # inches, across a page's two columns
@@ -23,14 +24,7 @@ BAND = (7.2, 2.7)
 DPI = 200
 INK = "#222222"
 
-# Okabe & Ito (2008), chosen to stay apart under the common colour-vision deficiencies.
-GAIT_COLOURS = {
-    "trot": "#0072B2",
-    "pace": "#E69F00",
-    "bound": "#009E73",
-    "pronk": "#CC79A7",
-    NO_GAIT: "#BBBBBB",
-}
+GAIT_COLOURS = {gait.name: gait.colour for gait in GAITS.values()} | {NO_GAIT: "#BBBBBB"}
 TERM_COLOURS = {"task": INK, "style": "#D55E00", "skill": "#56B4E9"}  # of the reward, none of them a gait's
 _OTHER_COLOURS = ("#D55E00", "#56B4E9", "#F0E442", "#000000")
 
@@ -69,17 +63,17 @@ def new_figure(size: tuple[float, float]) -> Figure:
 
 
 def skill_colours(skills: list[str]) -> dict[str, str]:
-    """Colour of each name: a gait's own, also for labels such as trot_2Hz; further names take spare
+    """Colour of each name: a gait's own, also for labels such as trot_2hz; further names take spare
     colours."""
     spare = iter(_OTHER_COLOURS * (1 + len(skills) // len(_OTHER_COLOURS)))
-    return {name: GAIT_COLOURS.get(name.split("_")[0]) or next(spare) for name in skills}
+    return {name: GAIT_COLOURS.get(split_name(name)[0]) or next(spare) for name in skills}
 
 
 def skill_shades(skills: list[str]) -> dict[str, tuple[float, float, float]]:
     """As `skill_colours`, RGB; of a gait's several skills the first is the palest, so that all can be told apart."""
     shades = {}
     for name, colour in skill_colours(skills).items():
-        family = sorted(other for other in skills if other.split("_")[0] == name.split("_")[0])
+        family = sorted(other for other in skills if split_name(other)[0] == split_name(name)[0])
         pale = 0.55 * (len(family) - 1 - family.index(name)) / max(len(family) - 1, 1)
         red, green, blue = ((1 - pale) * part + pale for part in to_rgb(colour))
         shades[name] = (red, green, blue)

@@ -1,4 +1,4 @@
-"""What the task reward pays the expert's own steady clips: ``python -m analysis.task_reward``."""
+"""Mean task reward of the expert's steady clips: ``python -m analysis.task_reward``."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from torch import Tensor
 from camp.build import motion_folder
 from camp.config.compose import compose_config
 from camp.envs.config import RewardConfig
-from camp.envs.rewards import averaged, mix_rewards, task_rewards
+from camp.envs.rewards import angular_velocity_reward, averaged, linear_velocity_reward, mix_rewards
 from camp.gaits.schedule import GAIT_PHASES
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.store import load_clips
@@ -23,7 +23,12 @@ TIME_CONSTANTS = (0.0, 0.5, 1.0)  # s, of the velocity's average
 
 def weighted_reward(command: Tensor, velocity: Tensor, config: RewardConfig) -> Tensor:
     """(T,) Table II's task reward for velocities (T, 3): vx, vy in m/s and yaw rate in rad/s."""
-    return mix_rewards(task_rewards(command, velocity, config), config.weights())
+    linear, angular = config.terms["linear_velocity"], config.terms["angular_velocity"]
+    rewards = {
+        "linear_velocity": linear_velocity_reward(command, velocity, linear["width"]),
+        "angular_velocity": angular_velocity_reward(command, velocity, angular["width"]),
+    }
+    return mix_rewards(rewards, {"linear_velocity": linear["weight"], "angular_velocity": angular["weight"]})
 
 
 def reward_of(clip: Clip, config: RewardConfig, time_constant: float) -> float:

@@ -1,4 +1,4 @@
-"""How did training go? A run's learning curves against environment steps."""
+"""Learning curves of a run against environment steps."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from analysis.style import INK, TERM_COLOURS, new_figure, skill_colours, style
 from camp.common.histogram import EDGES
+from camp.gaits.skills import split_name
 from camp.metrics.tracking import FAST_COMMAND_M_S
 
 PAGE = (7.2, 8.2)  # inches
@@ -200,7 +201,7 @@ def _draw_gaits(axes: Axes, training: TrainingCurves) -> None:
     strides = sorted({_stride_hz(skill) for skill in skills}, reverse=True)
     dashes = {stride: _STRIDES[index % len(_STRIDES)] for index, stride in enumerate(strides)}
     lines = [
-        Line(f"gait/{skill}/accuracy", _title(skill), colour, dashes[_stride_hz(skill)])
+        Line(f"gait/{skill}/accuracy", skill, colour, dashes[_stride_hz(skill)])
         for skill, colour in skill_colours(skills).items()
     ]
     _draw_panel(axes, training, lines, "Robots that show the commanded skill, by foot contacts", "fraction of robots")
@@ -208,11 +209,7 @@ def _draw_gaits(axes: Axes, training: TrainingCurves) -> None:
 
 def _stride_hz(skill: str) -> float:
     """A skill's stride frequency; 0 where it may have any."""
-    return float(skill.partition("_")[2].removesuffix("hz") or 0.0)
-
-
-def _title(skill: str) -> str:
-    return skill.replace("_", " ").replace("hz", " Hz")
+    return split_name(skill)[1] or 0.0
 
 
 def _draw_logits(axes: Axes, training: TrainingCurves) -> None:

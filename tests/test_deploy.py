@@ -189,7 +189,11 @@ def test_input_that_cannot_be_used_is_one_line(policy, run, capfd, arguments, me
         ("skills", "3", "metadata skills = 3: not a list of names"),
         ("observe_skill", '"no"', "metadata observe_skill = 'no': not true or false"),
         ("observation", "{}", "metadata observation = {}: not a list of entries"),
-        ("observation", '[{"name": "gyro", "size": 3}]', "not one of base_angular_velocity, gravity"),
+        (
+            "observation",
+            '[{"name": "gyro", "size": 3}]',
+            "none of what this loop reads from its robot (base_angular",
+        ),
         ("observation", '[{"name": "gravity", "size": 4}]', "its size is not 3"),
         ("observation", '[{"name": "gravity", "size": 3}]', "maps [('obs', [49]), ('joint_target', [12])]"),
         ("control_period", "0.022", "metadata control_period = 0.022: no multiple of the physics timestep, 0.005 s"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import torch
@@ -22,17 +23,17 @@ from camp.common.threads import threads_of_process
 from camp.config.devices import learner_device, simulator_device
 from camp.config.resolve import load_run_config
 from camp.config.schema import Config
-from camp.envs.measurement import AMP_STATE_SIZE
-from camp.envs.observations import actor_entries, privileged_entries, size
+from camp.envs.observations import entries_of, size
 from camp.envs.quadruped import QuadrupedEnv
-from camp.gaits.skills import label_of, names
+from camp.gaits.skills import names
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.sampler import Demonstrations, ReferenceStates
-from camp.motion.clips.store import load_clips
+from camp.motion.clips.store import load_skill_clips
 from camp.robots import go2
+from camp.robots.amp_state import AMP_STATE_SIZE
 from camp.runs.checkpoint import INCOMPATIBLE, incompatible
 from camp.runs.state import load_state
-from camp.sim.base import Simulator
+from camp.sim.base import Gains, Simulator
 from camp.sim.choice import warp_installed
 from camp.sim.config import SimConfig
 from camp.sim.cpu import CpuSimulator
@@ -64,7 +65,11 @@ class Run:
     actor: GaussianActor
     skills: tuple[str, ...]  # names in label order
     skill_prior: SkillPrior | None  # None where an ablation trained without
-    clips: list[Clip]
+
+    @cached_property
+    def clips(self) -> list[Clip]:
+        """The expert clips of its skills, loaded when they are first asked for. Raises ClipError."""
+        return expert_clips(self.config)
 
 
 def motion_folder(config: Config) -> Path:
@@ -73,10 +78,9 @@ def motion_folder(config: Config) -> Path:
 
 
 def expert_clips(config: Config) -> list[Clip]:
-    """The clips that show one of the configured skills. Raises ClipError where a gait has none."""
-    skills = config.motion.skill_set()
-    clips = load_clips(motion_folder(config), config.motion.skills, with_mirrored=config.motion.mirrored)
-    return [clip for clip in clips if label_of(clip.gait, clip.frequency_hz, skills) is not None]
+    """The clips of the configured skills and stride frequencies. Raises ClipError where a skill has none."""
+    motion = config.motion
+    return load_skill_clips(motion_folder(config), motion.skill_set(), list(motion.frequencies_hz), motion.mirrored)
 
 
 def build_simulator(config: Config, num_envs: int | None = None) -> Simulator:
@@ -87,7 +91,7 @@ def build_simulator(config: Config, num_envs: int | None = None) -> Simulator:
     sim: SimConfig = config.sim
     num = sim.num_envs if num_envs is None else num_envs
     period, timestep = config.env.control_period_s, sim.physics_timestep_s
-    gains = (tuple(config.robot.kp) * go2.NUM_LEGS, tuple(config.robot.kd) * go2.NUM_LEGS)
+    gains = nominal_gains(config)
     if sim.backend == "cpu":
         return CpuSimulator(num, period, timestep, sim.threads, gains)
     if not warp_installed():
@@ -98,6 +102,11 @@ def build_simulator(config: Config, num_envs: int | None = None) -> Simulator:
     assert sim.contacts_per_robot is not None and sim.constraints_per_robot is not None
     settings = WarpSettings(device, sim.contacts_per_robot, sim.constraints_per_robot)
     return GpuSimulator(num, period, timestep, settings, gains)
+
+
+def nominal_gains(config: Config) -> Gains:
+    """Of the PD law, joint by joint."""
+    return tuple(config.robot.kp) * go2.NUM_LEGS, tuple(config.robot.kd) * go2.NUM_LEGS
 
 
 def build_env(config: Config, clips: list[Clip], num_envs: int | None = None) -> QuadrupedEnv:
@@ -165,8 +174,7 @@ def share_of_rank(config: Config) -> Config:
 
 def build_actor(config: Config, weights: torch.Generator) -> GaussianActor:
     """The policy network, on the CPU."""
-    observation = size(actor_entries(len(config.motion.skill_set())))
-    return GaussianActor(observation, go2.NUM_JOINTS, config.algo.actor, weights)
+    return GaussianActor(_observed(config)[0], go2.NUM_JOINTS, config.algo.actor, weights)
 
 
 def load_run(folder: Path) -> Run:
@@ -188,7 +196,7 @@ def load_run(folder: Path) -> Run:
             skill_prior.load_state_dict(state.skill_prior)
     except INCOMPATIBLE as error:
         raise incompatible(folder, error) from error
-    return Run(config, state.iteration, actor, skills, skill_prior, expert_clips(config))
+    return Run(config, state.iteration, actor, skills, skill_prior)
 
 
 def _check_period(config: Config, clips: list[Clip]) -> None:
@@ -202,8 +210,13 @@ def _check_period(config: Config, clips: list[Clip]) -> None:
 
 
 def _build_critic(config: Config, weights: torch.Generator) -> Critic:
-    inputs = size(actor_entries(len(config.motion.skill_set()))) + size(privileged_entries())
-    return Critic(inputs, config.algo.critic, weights)
+    return Critic(sum(_observed(config)), config.algo.critic, weights)
+
+
+def _observed(config: Config) -> tuple[int, int]:
+    """How many numbers the policy observes, and how many the critic besides."""
+    num_skills, observed = len(config.motion.skill_set()), config.env.observation
+    return size(entries_of(observed.policy, num_skills)), size(entries_of(observed.critic, num_skills))
 
 
 def _build_priors(config: Config, embedding: SkillEmbedding, weights: torch.Generator) -> list[Prior]:

@@ -29,12 +29,18 @@ def folder(tmp_path, monkeypatch):
     return write_metrics(write_evaluation(tmp_path / "outputs" / "one"), metrics(10))
 
 
-@pytest.mark.slow  # compiles tslearn's DTW
+@pytest.mark.slow
+@pytest.mark.dtw
 def test_draws_four_figures_and_prints_their_paths(folder, capsys):
     assert command.main([f"run={folder}"]) == 0
     printed = capsys.readouterr().out.split()
     assert printed == [str(folder / "figures" / name) for name in FIGURES]
     assert all((folder / "figures" / name).stat().st_size > 10_000 for name in FIGURES)
+
+
+def test_draws_one_kind_of_figures(folder, capsys):
+    assert command.main([f"run={folder}", "only=contacts"]) == 0
+    assert capsys.readouterr().out.split() == [str(folder / "figures" / "contacts.png")]
 
 
 def test_without_arguments_takes_the_newest_run(folder, monkeypatch):
@@ -85,7 +91,9 @@ def test_a_shipped_policy_stays_as_it_is(folder, tmp_path, monkeypatch, capsys):
     assert command.run_folder([]) == shipped
 
 
-@pytest.mark.parametrize("arguments", [["folder"], ["run="], ["run=a", "run=b"], ["run=/no/such/folder"], []])
+@pytest.mark.parametrize(
+    "arguments", [["folder"], ["run="], ["run=a", "run=b"], ["run=/no/such/folder"], ["only=pies"], []]
+)
 def test_errors_are_one_line_and_code_two(arguments, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert command.main(arguments) == 2

@@ -8,9 +8,10 @@ import mujoco
 import numpy as np
 import torch
 
-from camp.envs.measurement import AMP_STATE_SIZE, measure, rotate, rotate_inverse
+from camp.envs.measurement import measure, rotate, rotate_inverse
 from camp.motion.clips.clip import amp_state
 from camp.robots import go2
+from camp.robots.amp_state import AMP_STATE_SIZE
 from camp.sim.base import RobotState
 
 

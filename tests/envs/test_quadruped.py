@@ -11,6 +11,7 @@ import torch
 from camp.build import build_env
 from camp.config.schema import Config
 from camp.envs.commands import sample_commands
+from camp.envs.config import EXTERNAL
 from camp.envs.measurement import measure
 from camp.envs.quadruped import STARTS_PERIOD_S, QuadrupedEnv
 from camp.motion.clips.clip import Clip, amp_state
@@ -275,3 +276,17 @@ def test_same_seed_same_roll_out_and_state_continues_bit_for_bit(config, clips):
             "foot_contact",
         ):
             assert torch.equal(getattr(a, name), getattr(b, name)), name
+
+
+def test_commands_from_outside_stay_until_others_are_given(config, clips):
+    config.env.command.source = EXTERNAL
+    config.env.command.period_s = config.env.command.skill_period_s = 0.04  # of a clock that does not count
+    config.env.episode_s = 0.1  # 5 steps
+    env = make(config, clips)
+    command, skill = torch.tensor([[0.3, 0.0, 0.1]]).repeat(8, 1), torch.arange(8) % 4
+    assert torch.equal(env.set_command(command, skill)[:, 6:9], command)
+    for _ in range(12):  # over two ends of episodes
+        step = env.advance(ZERO)
+        assert torch.equal(step.command, command) and torch.equal(step.skill, skill)
+        assert torch.equal(step.observation[:, 6:9], command)
+        assert step.observation[:, 45:].argmax(1).tolist() == skill.tolist()

@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from camp.envs.measurement import measure
-from camp.evaluation.physics import MotorLaw, foot_height, sliding_speed
+from camp.evaluation.physics import MotorLaw, foot_height
 from camp.robots import go2
 from camp.sim.base import Dynamics, InitialState
 
@@ -49,16 +49,6 @@ def test_weak_motors_and_the_limit_count():
     torque = law.torque(torch.full((1, 1, 12), 1.0), torch.zeros(1, 1, 12), torch.full((1, 1, 12), 2.0))[0]
     assert torque[0, :3].tolist() == pytest.approx([14.0, 14.0, 19.0])  # .5 (30 - 2), .5 (40 - 2)
     assert law.torque(torch.full((1, 1, 12), 9.0), *torch.zeros(2, 1, 1, 12)).max() == pytest.approx(45.43)
-
-
-def test_sliding_speed_is_that_of_the_lowest_point_of_the_sphere(data):
-    expected, velocity = [], np.zeros(6)
-    for leg in go2.FOOT_NAMES:
-        body = data.model.body(f"{leg}_foot").id
-        mujoco.mj_objectVelocity(data.model, data, mujoco.mjtObj.mjOBJ_XBODY, body, velocity, 0)
-        point = velocity[3:] + np.cross(velocity[:3], [0, 0, -go2.FOOT_RADIUS])
-        expected.append(np.hypot(*point[:2]))
-    np.testing.assert_allclose(sliding_speed(measure(state_of(data)))[0], expected, rtol=1e-4)
 
 
 def test_foot_height_is_that_of_the_lowest_point_of_the_sphere(data):

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from camp.common.errors import ConfigError
-from camp.gaits.schedule import DUTY_FACTOR, GAIT_PHASES, GRID_STEPS, GaitSchedule
+from camp.gaits.gait import GAITS, Gait
+from camp.gaits.schedule import GaitSchedule
 
-ALL = [(gait, frequency) for gait in GAIT_PHASES for frequency in GRID_STEPS]
+ALL = [(gait.name, frequency) for gait in GAITS.values() for frequency in gait.duty]
 
 
 @pytest.mark.parametrize(
@@ -70,7 +71,23 @@ def test_only_bound_and_pronk_fly() -> None:
         times = (np.arange(1000) + 0.5) / 1000 * schedule.period
         flies = bool((~schedule.contact(times)).all(axis=1).any())
         assert flies == (gait in ("bound", "pronk"))
-    assert set(DUTY_FACTOR) == set(GAIT_PHASES)
+
+
+@pytest.mark.parametrize(
+    ("record", "words"),
+    [
+        ({"name": "Walk"}, "small letters"),
+        ({"phases": (0.0, 0.5, 0.75, 1.0)}, "four of"),
+        ({"duty": {2.5: 0.75}}, "choose frequencies from 2, 3, 4"),
+        ({"duty": {2.0: 0.74}}, "a multiple of 1/20"),
+        ({"duty": {2.0: 1.0}}, "a multiple of 1/20"),
+    ],
+)
+def test_a_record_that_nobody_could_walk_is_refused(record: dict, words: str) -> None:
+    walk: dict = {"name": "walk", "phases": (0.0, 0.5, 0.75, 0.25), "duty": {2.0: 0.75}, "colour": "#56B4E9"}
+    Gait(**walk)
+    with pytest.raises(ConfigError, match=words):
+        Gait(**walk | record)
 
 
 @pytest.mark.parametrize(("gait", "frequency"), [("walk", 2.0), ("trot", 2.5)])

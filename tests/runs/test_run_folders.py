@@ -11,7 +11,7 @@ import pytest
 import torch
 
 from camp.build import load_run
-from camp.common.errors import CampError, CheckpointError, ConfigError
+from camp.common.errors import CampError, CheckpointError, ClipError, ConfigError
 from camp.config.resolve import load_run_config
 from camp.runs.checkpoint import latest_checkpoint, load_checkpoint, save_run_checkpoint
 from tests.small_run import small_run
@@ -157,3 +157,13 @@ def test_networks_with_values_that_are_not_finite_are_refused(run, value, entry,
     name = change_checkpoint(run, spoil)
     line = refusal(run, CheckpointError)
     assert f"{name}: training had diverged ({entry} is not finite)" in line and "train anew" in line
+
+
+def test_clips_are_loaded_when_they_are_asked_for(run):
+    config = run / "config.yaml"
+    assert "  folder: null\n" in config.read_text()
+    config.write_text(config.read_text().replace("  folder: null\n", "  folder: /gone\n"))
+    loaded = load_run(run)
+    assert torch.isfinite(loaded.actor(torch.zeros(1, 49))).all()
+    with pytest.raises(ClipError, match="/gone"):
+        _ = loaded.clips

@@ -1,4 +1,4 @@
-"""Keys that had another name once: old command lines and run folders keep working."""
+"""Renamed configuration keys: old command lines and run folders keep working."""
 
 from __future__ import annotations
 
@@ -17,6 +17,10 @@ RENAMED = {
     "env.command.zero_component_share": "env.command.zero_component_fraction",
     "env.command.zero_share": "env.command.zero_fraction",
     "env.initialization.reference_share": "env.initialization.reference_fraction",
+    "env.reward.linear_velocity_weight": "env.reward.terms.linear_velocity.weight",
+    "env.reward.linear_velocity_width": "env.reward.terms.linear_velocity.width",
+    "env.reward.angular_velocity_weight": "env.reward.terms.angular_velocity.weight",
+    "env.reward.angular_velocity_width": "env.reward.terms.angular_velocity.width",
 }
 
 
@@ -29,8 +33,18 @@ def with_new_names(config: DictConfig) -> DictConfig:
         for group in groups:
             place = place.get(group) if isinstance(place, dict) else None
         if isinstance(place, dict) and key in place:
-            place.setdefault(new.rpartition(".")[2], place.pop(key))
+            _set_default(values, new, place.pop(key))
     return cast(DictConfig, OmegaConf.create(values))
+
+
+def _set_default(values: Any, key: str, value: Any) -> None:
+    """Give a dotted key a value where it has none, making the groups on the way."""
+    *groups, name = key.split(".")
+    for group in groups:
+        values = values.setdefault(group, {})
+        if not isinstance(values, dict):  # the schema says what is wrong with it
+            return
+    values.setdefault(name, value)
 
 
 def renamed_overrides(overrides: Sequence[str]) -> list[str]:

@@ -12,6 +12,10 @@ from omegaconf import MISSING
 from camp.algo.config import AlgoConfig
 from camp.common import checks
 from camp.envs.config import EnvConfig
+from camp.envs.observations import check_names
+from camp.envs.rewards import check_terms
+from camp.gaits.schedule import GRID_STEPS
+from camp.gaits.skills import FREQUENCY_TOLERANCE
 from camp.motion.config import MotionConfig
 from camp.robots import go2
 from camp.robots.config import RobotConfig
@@ -64,10 +68,15 @@ class Config:
         """Raise ConfigError for the first value that cannot work, alone or beside another."""
         checks.seed("seed", self.seed)
         allowed = "letters, digits, '.', '_' and '-'"
+        for key in ("output_dir", "resume"):
+            checks.place(key, getattr(self, key))
         clean = bool(self.variant) and all(c.isalnum() or c in "._-" for c in self.variant)
         checks.require(clean, "variant", self.variant, f"name it with {allowed}")
         for part in (self.env, self.sim, self.robot, self.motion, self.algo, self.run, self.logger):
             part.check()
+        check_terms(self.env.reward.terms)
+        check_names("env.observation.policy", self.env.observation.policy)
+        check_names("env.observation.critic", self.env.observation.critic)
         substeps = self.env.control_period_s / self.sim.physics_timestep_s
         checks.require(
             abs(substeps - round(substeps)) < 1e-6 and round(substeps) >= 1,
@@ -87,6 +96,15 @@ class Config:
             "robot.kp",
             list(self.robot.kp),
             "the expert's targets are made for the gains of robot=go2; use those, or run=scratch",
+        )
+        frequencies = list(self.motion.frequencies_hz)
+        imitates = self.algo.imitation.epochs > 0 or self.algo.imitation.ppo_weight > 0.0
+        checks.require(
+            not imitates or set(frequencies) <= GRID_STEPS.keys(),
+            "motion.frequencies_hz",
+            frequencies,
+            f"the expert that is imitated walks at {', '.join(f'{hz:g}' for hz in GRID_STEPS)} Hz; choose from these "
+            f"(clips within {FREQUENCY_TOLERANCE:.0%} are taken), or run=scratch",
         )
         samples = self.run.rollout_steps * self.sim.num_envs
         checks.require(

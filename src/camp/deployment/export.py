@@ -18,7 +18,7 @@ from camp.common.errors import ConfigError
 from camp.common.files import whole_file, write_text
 from camp.config.schema import Config
 from camp.deployment.onnx_graph import OPSET, ExportError, largest_difference, policy_graph, require_packages
-from camp.envs.observations import actor_entries
+from camp.envs.observations import entries_of
 from camp.gaits.skills import names
 from camp.robots import go2
 from camp.runs.folder import METADATA, MODEL
@@ -68,7 +68,8 @@ def metadata(config: Config) -> dict[str, Any]:
             "yaw_rate_rad_s": list(config.env.command.yaw_rate_rad_s),
         },
         "observation": [
-            {"name": entry.name, "size": entry.size, "unit": entry.unit} for entry in actor_entries(len(skills))
+            {"name": entry.name, "size": entry.size, "unit": entry.unit}
+            for entry in entries_of(config.env.observation.policy, len(skills))
         ],
         "observe_skill": config.env.observe_skill,
         "camp_version": __version__,

@@ -1,4 +1,4 @@
-"""What an exported policy tells of itself (docs/deployment.md), read and checked before anything moves."""
+"""The metadata of an exported policy (docs/deployment.md): reading and checks."""
 
 from __future__ import annotations
 
@@ -39,7 +39,10 @@ def read_metadata(properties: Mapping[str, str]) -> dict[str, Any]:
     for entry in metadata["observation"]:
         name = entry.get("name") if isinstance(entry, dict) else None
         if not isinstance(name, str) or name not in sizes:
-            raise _unusable("observation", entry, f"not one of {', '.join(sizes)}")
+            raise CampError(
+                f"metadata observation = {reprlib.repr(entry)}: none of what this loop reads from its robot "
+                f"({', '.join(sizes)}); train with env.observation.policy of these, or read it in a loop of your own"
+            )
         if entry.get("size") != sizes[name]:
             raise _unusable("observation", entry, f"its size is not {sizes[name]}")
     return metadata

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 from omegaconf import MISSING
 
 from camp.common import checks
+
+# Who gives commands and skills: random ones on a clock, or whoever calls `QuadrupedEnv.set_command`.
+CLOCK, EXTERNAL = SOURCES = ("clock", "external")
 
 
 @dataclass
@@ -25,8 +29,46 @@ class NoiseConfig:
 
 
 @dataclass
+class ObservationConfig:
+    """What is observed: names of entries of `camp.envs.observations`, in order.
+
+    The defaults are what run folders were trained with that do not say. Names are checked with the whole configuration,
+    which knows the entries.
+    """
+
+    policy: list[str] = field(
+        default_factory=lambda: [
+            "base_angular_velocity",
+            "gravity",
+            "command",
+            "joint_position",
+            "joint_velocity",
+            "last_action",
+            "skill",
+        ]
+    )
+    critic: list[str] = field(  # besides what the policy observes, without noise
+        default_factory=lambda: [
+            "base_linear_velocity",
+            "base_height",
+            "foot_contact",
+            "average_velocity",
+            "link_mass_scale",
+            "payload_mass",
+            "payload_position",
+            "friction",
+            "motor_strength",
+            "kp_scale",
+            "kd_scale",
+        ]
+    )
+
+
+@dataclass
 class CommandConfig:
     """Velocity commands and skills."""
+
+    source: str = "clock"  # of CLOCK and EXTERNAL
 
     vx_m_s: list[float] = MISSING  # [low, high], forward
     vy_m_s: list[float] = MISSING  # [low, high], left
@@ -37,6 +79,7 @@ class CommandConfig:
     skill_period_s: float = MISSING  # a new skill this often, likewise
 
     def check(self) -> None:
+        checks.require(self.source in SOURCES, "env.command.source", self.source, f"choose {' or '.join(SOURCES)}")
         for name in ("vx_m_s", "vy_m_s", "yaw_rate_rad_s"):
             checks.interval(f"env.command.{name}", getattr(self, name))
         checks.fraction("env.command.zero_component_fraction", self.zero_component_fraction)
@@ -47,23 +90,19 @@ class CommandConfig:
 
 @dataclass
 class RewardConfig:
-    """Task rewards (paper, Table II)."""
+    """Task rewards: those of the paper's Table II, and any other terms of `camp.envs.rewards`."""
 
-    linear_velocity_weight: float = MISSING
-    linear_velocity_width: float = MISSING  # m/s
-    angular_velocity_weight: float = MISSING
-    angular_velocity_width: float = MISSING  # rad/s
+    # By term: its weight (absent or 0: not computed) and its parameters, numbers above 0. Names and parameters are
+    # checked with the whole configuration, which knows the terms.
+    terms: dict[str, dict[str, Any]] = field(default_factory=dict)
     velocity_average_s: float = MISSING  # time constant of the average that is rewarded; 0: the velocity itself
 
     def weights(self) -> dict[str, float]:
         """Weight of every term that the environment computes, by its name."""
-        return {"linear_velocity": self.linear_velocity_weight, "angular_velocity": self.angular_velocity_weight}
+        weights = {name: float(values.get("weight", 0.0)) for name, values in self.terms.items()}
+        return {name: weight for name, weight in weights.items() if weight != 0.0}
 
     def check(self) -> None:
-        checks.finite("env.reward.linear_velocity_weight", self.linear_velocity_weight)
-        checks.finite("env.reward.angular_velocity_weight", self.angular_velocity_weight)
-        checks.positive("env.reward.linear_velocity_width", self.linear_velocity_width)
-        checks.positive("env.reward.angular_velocity_width", self.angular_velocity_width)
         checks.not_negative("env.reward.velocity_average_s", self.velocity_average_s)
 
 
@@ -133,6 +172,7 @@ class EnvConfig:
     episode_s: float = MISSING
     control_period_s: float = MISSING
     observe_skill: bool = MISSING  # false: the skill's entries of the observation are zero (ablation)
+    observation: ObservationConfig = field(default_factory=ObservationConfig)
     noise: NoiseConfig = field(default_factory=NoiseConfig)
     command: CommandConfig = field(default_factory=CommandConfig)
     reward: RewardConfig = field(default_factory=RewardConfig)

@@ -1,4 +1,4 @@
-"""What is derived from the robots' state once per step and read by observations, rewards and terminations."""
+"""Quantities derived from the robots' state once per step, for observations, rewards and terminations."""
 
 from __future__ import annotations
 
@@ -8,20 +8,10 @@ import torch
 from torch import Tensor
 
 from camp.common.tensors import constant
-from camp.robots.go2 import CONTACT_FORCE
-from camp.robots.kinematics import foot_position
+from camp.robots import go2
+from camp.robots.amp_state import amp_parts
+from camp.robots.kinematics import foot_position, foot_velocity
 from camp.sim.base import RobotState
-
-# The state of the discriminators (paper, Sec. III-C, in its order): entry, size, unit, frame.
-AMP_ENTRIES = (
-    ("joint_position", 12, "rad", "joint"),
-    ("joint_velocity", 12, "rad/s", "joint"),
-    ("base_linear_velocity", 3, "m/s", "base"),
-    ("base_angular_velocity", 3, "rad/s", "base"),
-    ("base_height", 1, "m", "world"),
-    ("foot_position", 12, "m", "base"),
-)
-AMP_STATE_SIZE = sum(size for _, size, _, _ in AMP_ENTRIES)
 
 
 def rotate(quaternion: Tensor, vector: Tensor) -> Tensor:
@@ -55,16 +45,16 @@ class Measurement:
         return torch.cat([self.linear_velocity[:, :2], self.angular_velocity[:, 2:]], dim=1)
 
     def amp_state(self) -> Tensor:
-        """s_t of the discriminators, (N, 43), laid out as in AMP_ENTRIES."""
-        parts = (
-            self.joint_position,
-            self.joint_velocity,
-            self.linear_velocity,
-            self.angular_velocity,
-            self.base_position[:, 2:],
-            self.foot_position.flatten(1),
-        )
-        return torch.cat(parts, dim=1)
+        """s_t of the discriminators, (N, S), laid out as in `camp.robots.amp_state`."""
+        values = {
+            "joint_position": self.joint_position,
+            "joint_velocity": self.joint_velocity,
+            "base_linear_velocity": self.linear_velocity,
+            "base_angular_velocity": self.angular_velocity,
+            "base_height": self.base_position[:, 2:],
+            "foot_position": self.foot_position.flatten(1),
+        }
+        return torch.cat(amp_parts(values), dim=1)
 
 
 def measure(state: RobotState) -> Measurement:
@@ -78,6 +68,31 @@ def measure(state: RobotState) -> Measurement:
         joint_position=state.joint_position,
         joint_velocity=state.joint_velocity,
         foot_position=foot_position(state.joint_position),
-        foot_contact=state.foot_force.norm(dim=-1) > CONTACT_FORCE,
+        foot_contact=state.foot_force.norm(dim=-1) > go2.CONTACT_FORCE,
         body_force=state.body_force.norm(dim=-1),
     )
+
+
+def sliding_speed(measurement: Measurement) -> Tensor:
+    """Speed over the ground of the point of each foot's sphere that is lowest, (N, 4) m/s.
+
+    A foot that rolls without sliding has 0, although its centre moves.
+    """
+    omega = measurement.angular_velocity[:, None].expand(-1, go2.NUM_LEGS, -1)  # rad/s, base frame
+    centre = measurement.linear_velocity[:, None] + torch.linalg.cross(omega, measurement.foot_position)
+    centre = centre + foot_velocity(measurement.joint_position, measurement.joint_velocity)
+    hip, thigh, calf = measurement.joint_velocity.unflatten(1, (go2.NUM_LEGS, 3)).unbind(-1)
+    angle = measurement.joint_position[:, 0::3]
+    # The thigh's and the calf's axes lie along y, turned about x by the hip.
+    bend = thigh + calf
+    turning = omega + torch.stack([hip, bend * torch.cos(angle), bend * torch.sin(angle)], dim=-1)
+    lowest = go2.FOOT_RADIUS * measurement.gravity[:, None].expand(-1, go2.NUM_LEGS, -1)
+    velocity = centre + torch.linalg.cross(turning, lowest)
+    down = measurement.gravity[:, None]
+    return (velocity - (velocity * down).sum(dim=-1, keepdim=True) * down).norm(dim=-1)
+
+
+def foot_height(measurement: Measurement) -> Tensor:
+    """Height of each foot's lowest point above flat ground, (N, 4) m; below 0 where the soft ground gives way."""
+    down = measurement.gravity[:, None]
+    return measurement.base_position[:, 2:] - (measurement.foot_position * down).sum(dim=-1) - go2.FOOT_RADIUS

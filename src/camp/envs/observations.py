@@ -1,34 +1,25 @@
-"""The policy's observation (45 + K) and the critic's privileged part, each as one table of named entries.
+"""What policy and critic observe: named entries, of which the configuration lists those that each gets.
 
 All entries are in SI units without scaling: the networks' running normalizers scale them, so that an exported policy
-takes what sensors give.
+takes what sensors give. The paper's policy sees 45 + K numbers.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import torch
 from torch import Tensor
 
+from camp.common.errors import ConfigError
 from camp.common.tensors import constant
 from camp.envs.config import NoiseConfig
-from camp.envs.measurement import Measurement
+from camp.envs.situation import Situation
 from camp.robots import go2
-from camp.sim.base import LINK_NAMES, Dynamics
+from camp.sim.base import LINK_NAMES
 
-
-@dataclass
-class Situation:
-    """All that observations are made of, for N robots at one moment."""
-
-    measurement: Measurement
-    command: Tensor  # (N, 3) vx, vy in m/s, yaw rate in rad/s
-    last_action: Tensor  # (N, 12) network output of the previous step
-    skill: Tensor  # (N, K) one-hot; zeros where an ablation hides it
-    average_velocity: Tensor  # (N, 3) vx, vy in m/s, yaw rate in rad/s, as it is rewarded
-    dynamics: Dynamics
+PER_SKILL = 0  # the size of an entry with one number for each skill
 
 
 @dataclass(frozen=True)
@@ -43,57 +34,131 @@ class Entry:
     noise: str | None = None  # the field of NoiseConfig that holds its half-width
 
 
-def actor_entries(num_skills: int) -> tuple[Entry, ...]:
-    """The policy's observation, 45 + K numbers (paper, "State Space": 48 as printed means K = 3)."""
-    joints = go2.NUM_JOINTS
-    return (
-        Entry(
-            "base_angular_velocity",
-            3,
-            "rad/s",
-            "base",
-            lambda s: s.measurement.angular_velocity,
-            "angular_velocity_rad_s",
-        ),
-        Entry("gravity", 3, "1", "base", lambda s: s.measurement.gravity, "gravity"),
-        Entry("command", 3, "m/s, m/s, rad/s", "base", lambda s: s.command),
-        Entry(
-            "joint_position",
-            joints,
-            "rad",
-            "joint, from the default pose",
-            lambda s: s.measurement.joint_position - constant(go2.DEFAULT_JOINT_POSITION, s.command),
-            "joint_position_rad",
-        ),
-        Entry(
-            "joint_velocity",
-            joints,
-            "rad/s",
-            "joint",
-            lambda s: s.measurement.joint_velocity,
-            "joint_velocity_rad_s",
-        ),
-        Entry("last_action", joints, "1", "joint, in action scales", lambda s: s.last_action),
-        Entry("skill", num_skills, "1", "one-hot", lambda s: s.skill),
-    )
+ENTRIES: dict[str, Entry] = {}
 
 
-def privileged_entries() -> tuple[Entry, ...]:
-    """x_t, what the critic sees besides: exact motion and the randomized parameters of Table I."""
-    joints = go2.NUM_JOINTS
-    return (
-        Entry("base_linear_velocity", 3, "m/s", "base", lambda s: s.measurement.linear_velocity),
-        Entry("base_height", 1, "m", "world", lambda s: s.measurement.base_position[:, 2:]),
-        Entry("foot_contact", 4, "0 or 1", "-", lambda s: s.measurement.foot_contact.float()),
-        Entry("average_velocity", 3, "m/s, m/s, rad/s", "base", lambda s: s.average_velocity),
-        Entry("link_mass_scale", len(LINK_NAMES), "1", "-", lambda s: s.dynamics.link_mass_scale),
-        Entry("payload_mass", 1, "kg", "-", lambda s: s.dynamics.payload_mass[:, None]),
-        Entry("payload_position", 3, "m", "base", lambda s: s.dynamics.payload_position),
-        Entry("friction", 1, "1", "-", lambda s: s.dynamics.friction[:, None]),
-        Entry("motor_strength", joints, "1", "joint", lambda s: s.dynamics.motor_strength),
-        Entry("kp_scale", joints, "1", "joint", lambda s: s.dynamics.kp_scale),
-        Entry("kd_scale", joints, "1", "joint", lambda s: s.dynamics.kd_scale),
-    )
+def observation_entry(
+    size: int, unit: str, frame: str, noise: str | None = None
+) -> Callable[[Callable[[Situation], Tensor]], Callable[[Situation], Tensor]]:
+    """Make a function ``situation -> (N, size)`` known as an observation entry under its own name.
+
+    noise: the field of conf/env's ``noise`` with the half-width of its sensor noise, where it has any.
+    """
+
+    def register(read: Callable[[Situation], Tensor]) -> Callable[[Situation], Tensor]:
+        name = getattr(read, "__name__", "")
+        if name in ENTRIES:
+            raise ValueError(f"observation entry {name!r}: this name is taken; choose another one")
+        ENTRIES[name] = Entry(name, size, unit, frame, read, noise)
+        return read
+
+    return register
+
+
+@observation_entry(3, "rad/s", "base", "angular_velocity_rad_s")
+def base_angular_velocity(s: Situation) -> Tensor:
+    return s.measurement.angular_velocity
+
+
+@observation_entry(3, "1", "base", "gravity")
+def gravity(s: Situation) -> Tensor:
+    return s.measurement.gravity
+
+
+@observation_entry(3, "m/s, m/s, rad/s", "base")
+def command(s: Situation) -> Tensor:
+    return s.command
+
+
+@observation_entry(go2.NUM_JOINTS, "rad", "joint, from the default pose", "joint_position_rad")
+def joint_position(s: Situation) -> Tensor:
+    return s.measurement.joint_position - constant(s.setup.default_pose, s.command)
+
+
+@observation_entry(go2.NUM_JOINTS, "rad/s", "joint", "joint_velocity_rad_s")
+def joint_velocity(s: Situation) -> Tensor:
+    return s.measurement.joint_velocity
+
+
+@observation_entry(go2.NUM_JOINTS, "1", "joint, in action scales")
+def last_action(s: Situation) -> Tensor:
+    return s.last_action
+
+
+@observation_entry(PER_SKILL, "1", "one-hot")
+def skill(s: Situation) -> Tensor:
+    return s.skill_one_hot * s.setup.observe_skill
+
+
+@observation_entry(3, "m/s", "base")
+def base_linear_velocity(s: Situation) -> Tensor:
+    return s.measurement.linear_velocity
+
+
+@observation_entry(1, "m", "world")
+def base_height(s: Situation) -> Tensor:
+    return s.measurement.base_position[:, 2:]
+
+
+@observation_entry(go2.NUM_LEGS, "0 or 1", "-")
+def foot_contact(s: Situation) -> Tensor:
+    return s.foot_contact
+
+
+@observation_entry(3, "m/s, m/s, rad/s", "base")
+def average_velocity(s: Situation) -> Tensor:
+    """As it is rewarded."""
+    return s.average_velocity
+
+
+@observation_entry(len(LINK_NAMES), "1", "-")
+def link_mass_scale(s: Situation) -> Tensor:
+    return s.dynamics.link_mass_scale
+
+
+@observation_entry(1, "kg", "-")
+def payload_mass(s: Situation) -> Tensor:
+    return s.dynamics.payload_mass[:, None]
+
+
+@observation_entry(3, "m", "base")
+def payload_position(s: Situation) -> Tensor:
+    return s.dynamics.payload_position
+
+
+@observation_entry(1, "1", "-")
+def friction(s: Situation) -> Tensor:
+    return s.dynamics.friction[:, None]
+
+
+@observation_entry(go2.NUM_JOINTS, "1", "joint")
+def motor_strength(s: Situation) -> Tensor:
+    return s.dynamics.motor_strength
+
+
+@observation_entry(go2.NUM_JOINTS, "1", "joint")
+def kp_scale(s: Situation) -> Tensor:
+    return s.dynamics.kp_scale
+
+
+@observation_entry(go2.NUM_JOINTS, "1", "joint")
+def kd_scale(s: Situation) -> Tensor:
+    return s.dynamics.kd_scale
+
+
+def check_names(key: str, names: Sequence[str]) -> None:
+    """Raise ConfigError where ``key``, a list of entries, names none, one that is not known, or one twice."""
+    unknown = [name for name in names if name not in ENTRIES]
+    if unknown:
+        raise ConfigError(f"{key}: no such entry {unknown[0]!r}; choose from {', '.join(ENTRIES)}")
+    if not names or len(set(names)) < len(names):
+        raise ConfigError(f"{key} = {list(names)}: name one entry or more, each once")
+
+
+def entries_of(names: Sequence[str], num_skills: int) -> tuple[Entry, ...]:
+    """The entries of these names, in this order, for K skills."""
+    found = (ENTRIES[name] for name in names)
+    return tuple(replace(entry, size=num_skills) if entry.size == PER_SKILL else entry for entry in found)
 
 
 def size(entries: tuple[Entry, ...]) -> int:
@@ -102,13 +167,13 @@ def size(entries: tuple[Entry, ...]) -> int:
 
 
 def position(entries: tuple[Entry, ...], name: str) -> slice:
-    """Where the entry ``name`` stands in an observation."""
+    """Where the entry ``name`` stands in an observation; an empty slice where it does not."""
     start = 0
     for entry in entries:
         if entry.name == name:
             return slice(start, start + entry.size)
         start += entry.size
-    raise KeyError(name)
+    return slice(0, 0)
 
 
 def observe(entries: tuple[Entry, ...], situation: Situation) -> Tensor:

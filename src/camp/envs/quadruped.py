@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import gymnasium as gym
@@ -16,13 +16,15 @@ from camp.common.tensors import constant, copied
 from camp.data import Step
 from camp.envs import observations
 from camp.envs.commands import sample_commands, sample_skills, uniform
-from camp.envs.config import EnvConfig
-from camp.envs.measurement import AMP_STATE_SIZE, Measurement, measure
-from camp.envs.rewards import averaged, mix_rewards, task_rewards
+from camp.envs.config import EXTERNAL, EnvConfig
+from camp.envs.measurement import Measurement, measure
+from camp.envs.rewards import active_terms, averaged, mix_rewards, task_rewards
+from camp.envs.situation import Before, Setup, Situation
 from camp.envs.starts import Starts, draw_starts
 from camp.envs.terminations import failed
 from camp.motion.clips.sampler import ReferenceStates
 from camp.robots import go2
+from camp.robots.amp_state import AMP_STATE_SIZE, amp_slice
 from camp.sim.base import Dynamics, Simulator, select
 
 # The observation's bound for values that a diverging simulation produces; far beyond anything physical.
@@ -30,6 +32,7 @@ _OBSERVATION_LIMIT = 1e3
 # A start for every robot is drawn this often, in s, and taken by those whose episode ends meanwhile: what drawing
 # costs is shared by many control steps, and nobody has to wait for the number of robots that need one.
 STARTS_PERIOD_S = 0.4
+_JOINT_VELOCITY = amp_slice("joint_velocity")
 
 
 @dataclass
@@ -68,8 +71,16 @@ class QuadrupedEnv(VectorEnv):
         self.references = references
         self.num_envs = sim.num_envs
         self.num_skills = references.num_skills
-        self.actor_entries = observations.actor_entries(self.num_skills)
-        self.privileged_entries = observations.privileged_entries()
+        self.setup = Setup(
+            self.num_skills,
+            config.observe_skill,
+            go2.DEFAULT_JOINT_POSITION,
+            action_scale,
+            sim.gains,
+            sim.control_period,
+        )
+        self.actor_entries = observations.entries_of(config.observation.policy, self.num_skills)
+        self.privileged_entries = observations.entries_of(config.observation.critic, self.num_skills)
         self.metadata = {"autoreset_mode": AutoresetMode.SAME_STEP}
         self.single_observation_space = _box(observations.size(self.actor_entries))
         self.single_action_space = _box(go2.NUM_JOINTS)
@@ -78,6 +89,8 @@ class QuadrupedEnv(VectorEnv):
 
         self._generator = generator
         self._device = sim.device
+        self._terms = active_terms(config.reward.terms)
+        self._weights = config.reward.weights()
         self._noise = observations.noise_width(self.actor_entries, config.noise).to(self._device)
         self._episode_steps = self._steps(config.episode_s)
         self._steps_to_draw = 0  # control steps until new starts are drawn
@@ -86,6 +99,7 @@ class QuadrupedEnv(VectorEnv):
         self.command = torch.zeros(num, 3, device=device)  # vx, vy in m/s, yaw rate in rad/s
         self.skill = torch.zeros(num, dtype=torch.int64, device=device)
         self.last_action = torch.zeros(num, go2.NUM_JOINTS, device=device)
+        self._before = Before(self.last_action, self.last_action)
         self.average_velocity = torch.zeros(num, 3, device=device)  # of the last strides, as the reward takes it
         self.dynamics = Dynamics.nominal(num, config.randomization.nominal_friction, device)
         self.amp_state = torch.zeros(num, AMP_STATE_SIZE, device=device)
@@ -124,6 +138,7 @@ class QuadrupedEnv(VectorEnv):
         if self._steps_to_draw == 0:
             self._draw_starts()
         self._steps_to_draw -= 1
+        self._before = Before(self.last_action, self.amp_state[:, _JOINT_VELOCITY])
         self.last_action = action
         self._push()
         self.sim.step(self.default_pose + self.action_scale * action)
@@ -140,23 +155,24 @@ class QuadrupedEnv(VectorEnv):
         self.average_velocity = averaged(
             self.average_velocity, velocity, self.sim.control_period, self.config.reward.velocity_average_s
         )
-        reward = task_rewards(self.command, self.average_velocity, self.config.reward)
+        situation = self._situation(measurement)
+        reward = task_rewards(self._terms, situation)
         terminated = failed(measurement, diverged, self.config.termination)
         truncated = (self.step_count >= self._episode_steps) & ~terminated
         command, skill = self.command, self.skill
 
         self._draw_commands()
-        final_observation, final_privileged = self._observe(self._situation(measurement))
+        situation = replace(situation, command=self.command, skill=self.skill)
+        final_observation, final_privileged = self._observe(situation)
         self.observation, self.privileged = final_observation, final_privileged
         self._begin(terminated | truncated)
-        weights = self.config.reward.weights()
         return Step(
             observation=self.observation,
             privileged=self.privileged,
             final_observation=final_observation,
             final_privileged=final_privileged,
             reward=reward,
-            task_reward=mix_rewards(reward, weights),
+            task_reward=mix_rewards(reward, self._weights) if reward else torch.zeros_like(self.command[:, 0]),
             terminated=terminated,
             truncated=truncated,
             transition=transition,
@@ -167,8 +183,14 @@ class QuadrupedEnv(VectorEnv):
         )
 
     def set_command(self, command: Tensor, skill: Tensor) -> Tensor:
-        """Command every robot from now until the clock draws anew: (N, 3) and (N,); returns the observation."""
+        """Command every robot: (N, 3) and (N,); returns the observation. Call ``reset`` first.
+
+        With ``env.command.source=external`` this holds until the next call, also in episodes that begin meanwhile; else
+        until the clock draws anew.
+        """
         self.command, self.skill = command.clone(), skill.clone()
+        if self.config.command.source == EXTERNAL:
+            self._take_starts(replace(self._starts, command=self.command, skill=self.skill))
         self.observation, self.privileged = self._observe(self._situation(measure(self.sim.state)))
         return self.observation
 
@@ -191,6 +213,7 @@ class QuadrupedEnv(VectorEnv):
         self.dynamics = Dynamics(**state["dynamics"])
         self._starts = Starts.from_state_dict(state["starts"])
         self._starts_observed = _Observed(**state["starts_observed"])
+        self._before = Before(self.last_action, self.amp_state[:, _JOINT_VELOCITY])
         self._steps_to_draw = state["steps_to_draw"]
         restore_generator(self._generator, generator)
         self.sim.prepare(self.dynamics)
@@ -207,19 +230,27 @@ class QuadrupedEnv(VectorEnv):
     def _draw_starts(self, dynamics: Dynamics | None = None) -> None:
         """The start that each robot takes if its episode ends before the next draw."""
         starts = draw_starts(self.num_envs, self.config, self.references, self._generator, dynamics)
-        measurement = measure(starts.initial.robot_state())
+        if self.config.command.source == EXTERNAL:
+            starts = replace(starts, command=self.command, skill=self.skill)
         self.sim.prepare(starts.dynamics)
+        self._take_starts(starts)
+        self._steps_to_draw = self._steps(STARTS_PERIOD_S)
+
+    def _take_starts(self, starts: Starts) -> None:
+        """Keep the starts for the episodes that begin, and what is observed in them."""
+        measurement, action = measure(starts.initial.robot_state()), self._action_before(starts)
         self._starts = starts
-        situation = observations.Situation(
+        situation = Situation(
+            self.setup,
             measurement,
             starts.command,
-            self._action_before(starts),
-            self._shown_skill(starts.skill),
+            starts.skill,
+            action,
             starts.average_velocity,
             starts.dynamics,
+            Before(action, measurement.joint_velocity),
         )
         self._starts_observed = _Observed(measurement.amp_state(), *self._observe(situation))
-        self._steps_to_draw = self._steps(STARTS_PERIOD_S)
 
     def _begin(self, mask: Tensor) -> None:
         """Begin an episode with the robots of ``mask`` (N,) bool."""
@@ -230,14 +261,21 @@ class QuadrupedEnv(VectorEnv):
         self.skill = select(mask, starts.skill, self.skill)
         self.command = select(mask, starts.command, self.command)
         self.average_velocity = select(mask, starts.average_velocity, self.average_velocity)
-        self.last_action = select(mask, self._action_before(starts), self.last_action)
+        action = self._action_before(starts)
+        self.last_action = select(mask, action, self.last_action)
+        self._before = Before(
+            select(mask, action, self._before.action),
+            select(mask, starts.initial.joint_velocity, self._before.joint_velocity),
+        )
         self.amp_state = select(mask, observed.amp_state, self.amp_state)
         self.observation = select(mask, observed.observation, self.observation)
         self.privileged = select(mask, observed.privileged, self.privileged)
 
     def _draw_commands(self) -> None:
-        """New commands and skills for the robots whose clock has come round."""
+        """New commands and skills for the robots whose clock has come round; none where they come from outside."""
         config = self.config.command
+        if config.source == EXTERNAL:
+            return
         new_command = sample_commands(self.num_envs, config, self._generator)
         new_skill = sample_skills(self.num_envs, self.num_skills, self._generator)
         command_due = self.step_count % self._steps(config.period_s) == 0
@@ -259,22 +297,19 @@ class QuadrupedEnv(VectorEnv):
         """(N, 12) the network's output that asks for the joint targets held before the start."""
         return (starts.joint_target - self.default_pose) / self.action_scale
 
-    def _situation(self, measurement: Measurement) -> observations.Situation:
-        return observations.Situation(
+    def _situation(self, measurement: Measurement) -> Situation:
+        return Situation(
+            self.setup,
             measurement,
             self.command,
+            self.skill,
             self.last_action,
-            self._shown_skill(self.skill),
             self.average_velocity,
             self.dynamics,
+            self._before,
         )
 
-    def _shown_skill(self, skill: Tensor) -> Tensor:
-        """(N, K) one-hot; zeros where an ablation hides it."""
-        labels = constant(tuple(range(self.num_skills)), skill)
-        return (skill[:, None] == labels).float() * self.config.observe_skill
-
-    def _observe(self, situation: observations.Situation) -> tuple[Tensor, Tensor]:
+    def _observe(self, situation: Situation) -> tuple[Tensor, Tensor]:
         """The policy's observation with sensor noise, and the critic's privileged part without."""
         observation = observations.observe(self.actor_entries, situation)
         if self.config.noise.enabled:

@@ -15,7 +15,6 @@ from camp.common.errors import CampError
 from camp.evaluation.cells import cell, table
 from camp.evaluation.contact_log import FootLog
 from camp.evaluation.contract import parse_skill
-from camp.gaits.schedule import GAIT_PHASES
 from camp.gaits.skills import performed
 from camp.metrics.contact import debounced
 from camp.metrics.criteria import RHYTHM_PERIOD_S, ContactLog, Limits, WalkReading, failures, read_walks
@@ -188,12 +187,10 @@ def _switches(log: FootLog, offset_s: float) -> list[Switch]:
     ends, result = [*begins[1:], len(asked)], []
     for begin, end in zip(begins, ends, strict=True):
         name = str(asked[begin])
-        if name.split("_")[0] not in GAIT_PHASES:
-            continue
         try:
             wanted = parse_skill(name)
-        except ValueError as error:
-            raise CampError(str(error)) from error
+        except ValueError:
+            continue
         shown = performed(label[:end], frequency[:end], [wanted]).tolist()
         seconds = switch_time(shown, wanted.name, int(begin), period)
         at = round(offset_s + begin * period, 6)

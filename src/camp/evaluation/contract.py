@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 from typing import Literal
 
@@ -100,18 +101,16 @@ class Contract:
 
 def parse_skill(name: str) -> Skill:
     """A skill by its name, such as trot or trot_3hz. Raises ValueError."""
-    gait, _, frequency = name.partition("_")
-    if gait not in GAIT_PHASES:
-        raise ValueError(f"skill {name!r} is none of the judge's: name a gait ({', '.join(GAIT_PHASES)}) or gait_<n>hz")
-    if not frequency:
-        return Skill(gait)
-    try:
-        hz = float(frequency.removesuffix("hz"))
-    except ValueError as error:
-        raise ValueError(f"skill {name!r}: write a frequency as in {gait}_3hz") from error
-    if not frequency.endswith("hz") or not 0 < hz < math.inf:
-        raise ValueError(f"skill {name!r}: write a frequency as in {gait}_3hz")
-    return Skill(gait, hz)
+    found = re.fullmatch(r"(?P<gait>.+?)(?:_(?P<hz>\d+(?:\.\d+)?)hz)?", name)
+    if found is None or found["gait"] not in GAIT_PHASES:
+        known = ", ".join(GAIT_PHASES)
+        raise ValueError(
+            f"skill {name!r} is none of the judge's: name a gait ({known}), or it and a frequency: trot_3hz"
+        )
+    hz = None if found["hz"] is None else float(found["hz"])
+    if hz == 0.0:
+        raise ValueError(f"skill {name!r}: write a frequency above 0, as in trot_3hz")
+    return Skill(found["gait"], hz)
 
 
 def read_contract(path: Path) -> Contract:

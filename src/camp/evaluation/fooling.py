@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from camp.gaits.schedule import DUTY_FACTOR, GAIT_PHASES
+from camp.gaits.gait import GAITS
+from camp.gaits.schedule import GAIT_PHASES
 from camp.metrics.criteria import ContactLog
 
 Bools = NDArray[np.bool_]
@@ -30,7 +31,7 @@ def walking(
 
 def gait_contact(gait: str, frequency_hz: float, seconds: float = SECONDS, period_s: float = PERIOD_S) -> Bools:
     """An honest gait with the duty of the tables, (T, 4)."""
-    return walking(GAIT_PHASES[gait], frequency_hz, DUTY_FACTOR[gait][frequency_hz], seconds, period_s)
+    return walking(GAIT_PHASES[gait], frequency_hz, GAITS[gait].duty[frequency_hz], seconds, period_s)
 
 
 def log_of(contact: Bools, height_m: float = 0.06, period_s: float = PERIOD_S) -> ContactLog:

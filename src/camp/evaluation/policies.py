@@ -12,14 +12,22 @@ from torch import Tensor
 
 from camp.common.errors import CampError
 from camp.config.schema import Config
-from camp.envs.observations import actor_entries
-from camp.evaluation.contract import CommandRange, Contract, Output, Term
+from camp.evaluation.contract import TERM_SIZES, CommandRange, Contract, Output, Term
 from camp.robots import go2
 
 
 def contract_of_run(name: str, config: Config) -> Contract:
-    """The contract of a policy that camp trained; its network answers with actions."""
-    skills = config.motion.skill_set()
+    """The contract of a policy that camp trained; its network answers with actions.
+
+    Raises CampError where it observes what no contract names.
+    """
+    skills, entries = config.motion.skill_set(), list(config.env.observation.policy)
+    unknown = [name for name in entries if name not in (*TERM_SIZES, "skill")]
+    if unknown:
+        raise CampError(
+            f"env.observation.policy: the judge's contract has no term {unknown[0]!r}; choose from "
+            f"{', '.join((*TERM_SIZES, 'skill'))}"
+        )
     return _contract(
         name,
         [skill.name for skill in skills],
@@ -31,7 +39,7 @@ def contract_of_run(name: str, config: Config) -> Contract:
         kp=list(config.robot.kp) * go2.NUM_LEGS,
         kd=list(config.robot.kd) * go2.NUM_LEGS,
         output=Output(scale=config.robot.action_scale, offset=list(go2.DEFAULT_JOINT_POSITION)),
-        observation=[Term(entry.name) for entry in actor_entries(len(skills))],
+        observation=[Term(name) for name in entries],
     )
 
 

@@ -35,7 +35,7 @@ def _averages(reading: Reading, chosen: np.ndarray, mass: float) -> QualitySumma
     minutes = reading.recording.steps_upright[chosen].sum() * recording.period_s / 60.0
     torque, position = recording.torque[:, first:], recording.joint_position[:, first:]
     peak = torque_use(torque, np.array(go2.TORQUE_LIMIT)).max(axis=(1, 2), initial=0.0)
-    every = torque.reshape(len(recording), -1, go2.NUM_JOINTS)
+    every = torque.reshape(len(recording), 2 * torque.shape[1], go2.NUM_JOINTS)
     lower, upper = np.array(go2.JOINT_LOWER), np.array(go2.JOINT_UPPER)
     speeds = np.abs(recording.joint_velocity[:, first:] / np.array(go2.JOINT_SPEED_LIMIT))
     power = reading.recording.power[:, first:]

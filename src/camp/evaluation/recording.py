@@ -10,13 +10,13 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from camp.envs.measurement import measure
-from camp.evaluation.physics import MotorLaw, foot_height, sliding_speed
+from camp.envs.measurement import foot_height, measure, sliding_speed
 from camp.evaluation.rollout import Trace
 from camp.metrics.contact import debounced
 from camp.metrics.criteria import ContactLog
 from camp.robots import go2
 from camp.sim.base import RobotState
+from camp.sim.motors import MotorLaw
 
 Floats = NDArray[np.floating]
 
@@ -85,7 +85,8 @@ def record(trace: Trace) -> Recording:
     num, steps = len(trace.plan), trace.plan.steps
     seen = measure(_states(trace.qpos[:, 1:], trace.qvel[:, 1:]))
     position, velocity = torch.from_numpy(trace.qpos[..., 7:]), torch.from_numpy(trace.qvel[..., 6:])
-    target, motors = torch.from_numpy(trace.joint_target), MotorLaw.of(trace.setting.gains, trace.plan.dynamics)
+    target, law = torch.from_numpy(trace.joint_target), MotorLaw.of(trace.setting.gains, trace.plan.dynamics)
+    motors = MotorLaw(law.stiffness[:, None], law.damping[:, None])  # the same at all times
     moments = [(position[:, k : k + steps], velocity[:, k : k + steps]) for k in (0, 1)]
     torques = [motors.torque(target, *moment) for moment in moments]
     power = sum((torque * moment[1]).abs().sum(dim=-1) for torque, moment in zip(torques, moments, strict=True)) / len(

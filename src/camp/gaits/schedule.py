@@ -1,9 +1,4 @@
-"""Gaits as data: which leg stands when.
-
-Legs are always in the order FL, FR, RL, RR. A leg's phase runs from 0 at its touchdown to 1 at its next one;
-it stands while the phase is below the duty factor. Phase offsets follow Hildebrand's description of
-symmetrical (trot, pace) and in-phase (bound, pronk) gaits.
-"""
+"""The contact schedule of a gait at a stride frequency: which leg stands when."""
 
 from __future__ import annotations
 
@@ -12,27 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from camp.common.errors import ConfigError
+from camp.gaits.gait import GAITS, GRID_STEPS
 
-# Touchdown of FL, FR, RL, RR as a fraction of the stride.
-GAIT_PHASES: dict[str, tuple[float, float, float, float]] = {
-    "trot": (0.0, 0.5, 0.5, 0.0),
-    "pace": (0.0, 0.5, 0.0, 0.5),
-    "bound": (0.0, 0.0, 0.5, 0.5),
-    "pronk": (0.0, 0.0, 0.0, 0.0),
-}
-
-# Control intervals per stride: about 25 ms at 2 Hz and 21 ms at 3 and 4 Hz.
-GRID_STEPS: dict[float, int] = {2.0: 20, 3.0: 16, 4.0: 12}
-
-# Fraction of the stride a leg stands. Every value times GRID_STEPS is a whole number, so that contact switches
-# fall on the grid of the controller. Bound and pronk need a flight phase; at 2 Hz a pronk with duty .5 would
-# have to leap 7.7 cm high, so it stands longer.
-DUTY_FACTOR: dict[str, dict[float, float]] = {
-    "trot": {2.0: 0.5, 3.0: 0.5, 4.0: 0.5},
-    "pace": {2.0: 0.5, 3.0: 0.5, 4.0: 0.5},
-    "bound": {2.0: 0.45, 3.0: 7 / 16, 4.0: 5 / 12},
-    "pronk": {2.0: 0.6, 3.0: 0.5, 4.0: 0.5},
-}
+# Touchdown of FL, FR, RL, RR as a fraction of the stride, by the gait's name.
+GAIT_PHASES: dict[str, tuple[float, float, float, float]] = {name: gait.phases for name, gait in GAITS.items()}
 
 # Times that were summed up from physics steps land a hair beside the switch they mean.
 _PHASE_TOLERANCE = 1e-6
@@ -42,7 +20,7 @@ _PHASE_TOLERANCE = 1e-6
 class GaitSchedule:
     """Contact schedule of one gait at one stride frequency, periodic in time, stride beginning at t = 0.
 
-    Raises ConfigError when the gait or the frequency is not in the tables above.
+    Raises ConfigError where there is no such gait, or none at this frequency.
     """
 
     gait: str
@@ -51,9 +29,11 @@ class GaitSchedule:
     def __post_init__(self) -> None:
         if self.gait not in GAIT_PHASES:
             raise ConfigError(f"gait '{self.gait}' is unknown; choose from {', '.join(GAIT_PHASES)}")
-        if self.frequency_hz not in GRID_STEPS:
-            choices = ", ".join(f"{frequency:g}" for frequency in GRID_STEPS)
-            raise ConfigError(f"stride frequency {self.frequency_hz} Hz has no schedule; choose from {choices}")
+        if self.frequency_hz not in GAITS[self.gait].duty:
+            choices = ", ".join(f"{frequency:g}" for frequency in GAITS[self.gait].duty)
+            raise ConfigError(
+                f"stride frequency {self.frequency_hz} Hz has no schedule for a {self.gait}; choose from {choices}"
+            )
 
     @property
     def offsets(self) -> np.ndarray:
@@ -63,7 +43,7 @@ class GaitSchedule:
     @property
     def duty(self) -> float:
         """Fraction of the stride that each leg stands."""
-        return DUTY_FACTOR[self.gait][self.frequency_hz]
+        return GAITS[self.gait].duty[self.frequency_hz]
 
     @property
     def period(self) -> float:
@@ -106,7 +86,7 @@ class GaitSchedule:
 
 def nominal_duty(gait: str, frequency_hz: float) -> float:
     """Duty factor of a gait at any stride frequency: the table's, interpolated, for motion from elsewhere too."""
-    table = DUTY_FACTOR[gait]
+    table = GAITS[gait].duty
     return float(np.interp(frequency_hz, list(table), list(table.values())))
 
 

@@ -1,4 +1,4 @@
-"""What a simulator offers the environment, whatever it runs on."""
+"""The interface of simulators to the environment."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from torch import Tensor
 from camp.robots import go2
 
 NUM_FELT_BODIES = 1 + go2.NUM_LEGS  # base and thighs, whose ground reactions the model's sensors report
+
+
+Gains = tuple[tuple[float, ...], tuple[float, ...]]  # kp in N m/rad and kd in N m s/rad, 12 values each
 
 
 @dataclass
@@ -139,6 +142,7 @@ class Simulator(Protocol):
     num_envs: int
     device: torch.device
     control_period: float  # s
+    gains: Gains  # nominal ones of the PD law
 
     @property
     def state(self) -> RobotState:

@@ -39,7 +39,7 @@ class CpuSimulator:
     ):
         self.num_envs = num_envs
         self.device = torch.device("cpu")
-        self.control_period = control_period
+        self.control_period, self.gains = control_period, gains
         self.model = go2.load_model(physics_timestep)
         # MuJoCo would silently reset a simulation that diverges; it must stay visible instead.
         self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET

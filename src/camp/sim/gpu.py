@@ -55,7 +55,7 @@ class GpuSimulator:
     ):
         self.num_envs = num_envs
         self.device = settings.device
-        self.control_period = control_period
+        self.control_period, self.gains = control_period, gains
         self.model = go2.load_model(physics_timestep)
         self._settings = settings
         batched = dict.fromkeys((*FIELD_NAMES, *_DERIVED_NAMES), num_envs)

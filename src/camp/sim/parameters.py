@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from camp.robots import go2
-from camp.sim.base import LINK_NAMES, Dynamics
+from camp.sim.base import LINK_NAMES, Dynamics, Gains
 
 # Fields that differ from robot to robot; what MuJoCo derives from them (``set_const``) is the backend's part.
 FIELD_NAMES: tuple[str, ...] = (
@@ -20,7 +20,6 @@ FIELD_NAMES: tuple[str, ...] = (
 )
 _PAYLOAD_RADIUS = 0.05  # m; the payload is a point, but MuJoCo wants a positive inertia where there is mass
 
-Gains = tuple[tuple[float, ...], tuple[float, ...]]  # kp in N m/rad and kd in N m s/rad, 12 values each
 NOMINAL_GAINS: Gains = (go2.PD_GAIN_P, go2.PD_GAIN_D)
 
 

@@ -1,4 +1,4 @@
-"""(Observation, action) pairs from expert clips, laid out as the environment's own observation."""
+"""Pairs (observation, action) from expert clips, in the layout of the environment's observation."""
 
 from __future__ import annotations
 
@@ -9,9 +9,11 @@ import torch
 from torch import Tensor
 
 from camp.algo.imitation import ImitationData
+from camp.build import nominal_gains
 from camp.config.schema import Config
 from camp.envs import observations
 from camp.envs.measurement import Measurement, rotate_inverse
+from camp.envs.situation import Before, Setup, Situation
 from camp.gaits.skills import label_of
 from camp.motion.clips.clip import Clip
 from camp.robots import go2
@@ -25,10 +27,18 @@ def imitation_data(clips: Sequence[Clip], config: Config, device: torch.device) 
     which draws it anew for every minibatch.
     """
     skills = config.motion.skill_set()
-    entries = observations.actor_entries(len(skills))
+    entries = observations.entries_of(config.env.observation.policy, len(skills))
     labels = [label_of(clip.gait, clip.frequency_hz, skills) for clip in clips]
     shown = [(clip, label) for clip, label in zip(clips, labels, strict=True) if label is not None]
-    situations = [_situation(clip, label, len(skills), config) for clip, label in shown]
+    setup = Setup(
+        len(skills),
+        config.env.observe_skill,
+        go2.DEFAULT_JOINT_POSITION,
+        config.robot.action_scale,
+        nominal_gains(config),
+        config.env.control_period_s,
+    )
+    situations = [_situation(clip, label, setup, config) for clip, label in shown]
     observation = torch.cat([observations.observe(entries, situation) for situation in situations])
     noise = config.env.noise
     answer = _rows(np.concatenate([clip.joint_target[1:] for clip, _ in shown]))
@@ -40,7 +50,7 @@ def imitation_data(clips: Sequence[Clip], config: Config, device: torch.device) 
     )
 
 
-def _situation(clip: Clip, label: int, num_skills: int, config: Config) -> observations.Situation:
+def _situation(clip: Clip, label: int, setup: Setup, config: Config) -> Situation:
     num = len(clip) - 1
     quaternion = _rows(clip.base_quaternion[1:])
     down = torch.tensor([0.0, 0.0, -1.0]).expand(num, 3)
@@ -55,15 +65,16 @@ def _situation(clip: Clip, label: int, num_skills: int, config: Config) -> obser
         foot_contact=torch.from_numpy(clip.foot_contact[1:].copy()),
         body_force=torch.zeros(num, 5),
     )
-    skill = torch.zeros(num, num_skills)
-    skill[:, label] = float(config.env.observe_skill)
-    return observations.Situation(
+    action = _as_action(_rows(clip.joint_target_applied[:-1]), setup.action_scale)
+    return Situation(
+        setup=setup,
         measurement=measurement,
         command=_rows(np.broadcast_to(clip.command, (num + 1, 3))[1:]),
-        last_action=_as_action(_rows(clip.joint_target_applied[:-1]), config.robot.action_scale),
-        skill=skill,
+        skill=torch.full((num,), label),
+        last_action=action,
         average_velocity=measurement.velocity(),
         dynamics=Dynamics.nominal(num, config.env.randomization.nominal_friction, torch.device("cpu")),
+        before=Before(torch.cat([action[:1], action[:-1]]), _rows(clip.joint_velocity[:-1])),
     )
 
 

@@ -115,7 +115,8 @@ class Runner:
 
         self.iteration += 1
         metrics |= self._reward_metrics(terms, rollout)
-        metrics |= {f"reward/{name}/weighted": weights[name] * metrics[f"reward/{name}/raw"] for name in terms}
+        weights |= {name: weights["task"] * weight for name, weight in self.config.env.reward.weights().items()}
+        metrics |= {f"reward/{name}/weighted": weights[name] * metrics[f"reward/{name}/raw"] for name in weights}
         metrics["env/diverged"] = float(distributed.total(torch.tensor(metrics["env/diverged"])))
         metrics |= self.alarms.update(metrics)
         readings = self._readings(rollout) if self.iteration % run.gait_every == 0 else {}

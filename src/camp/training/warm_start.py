@@ -1,11 +1,10 @@
-"""Imitation of the expert on clips that show it recovering: before CAMP begins, and beside it."""
+"""Imitation of the expert on perturbed clips, before PPO and as its auxiliary loss."""
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import os
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,9 +15,11 @@ from camp.algo.imitation import ImitationLoss, imitate
 from camp.build import Training
 from camp.common import distributed
 from camp.common.errors import ClipError
+from camp.common.files import folder_lock
 from camp.common.seeding import generator
 from camp.config.schema import Config
 from camp.gaits import schedule
+from camp.gaits.gait import GAITS, GRID_STEPS
 from camp.motion import expert
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.mirror import mirrored
@@ -72,9 +73,9 @@ def perturbed_clips(config: Config) -> list[Clip]:
     wanted = config.motion
     cells = [(gait, frequency) for gait in wanted.skills for frequency in wanted.frequencies_hz]
     requests = perturbed_requests(wanted.perturbed_clips, PERTURBED_SEED, cells)
-    folder = Path(wanted.perturbed_folder or Path(config.output_dir) / "motions" / f"perturbed-{_expert_version()}")
-    folder.mkdir(parents=True, exist_ok=True)
-    with _one_at_a_time(folder):  # jobs of a sweep want the same clips
+    version = _expert_version(wanted.skills)
+    folder = Path(wanted.perturbed_folder or Path(config.output_dir) / "motions" / f"perturbed-{version}")
+    with folder_lock(folder):  # jobs of a sweep want the same clips
         _generate_missing(requests, folder)
     made = [path for path in (folder / f"{request.name}.npz" for request in requests) if path.is_file()]
     # A few noisy clips end in a fall and are not kept; many would mean that something is wrong.
@@ -114,20 +115,11 @@ def _under_way(clip: Clip) -> Clip:
     return replace(clip, **{name: rows[first:] for name, rows in arrays.items() if len(rows) == len(clip)})
 
 
-@contextlib.contextmanager
-def _one_at_a_time(folder: Path) -> Iterator[None]:
-    """Let other processes that come here wait, where the system has file locks."""
-    with (folder / ".lock").open("w") as lock:
-        with contextlib.suppress(ImportError, OSError):
-            import fcntl
-
-            fcntl.flock(lock, fcntl.LOCK_EX)
-        yield
-
-
-def _expert_version() -> str:
-    """Eight letters that change with what the clips depend on: the robot, its gaits, the expert and the requests."""
+def _expert_version(gaits: Sequence[str]) -> str:
+    """Eight letters that change with what the clips depend on: the robot, these gaits, the expert and the requests."""
     modules = (go2, schedule, requests, generate, recording)
     sources = [go2.MODEL_PATH, *(Path(str(module.__file__)) for module in modules)]
     sources += sorted(Path(str(expert.__file__)).parent.glob("*.py"))
-    return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()[:8]
+    timing = [GRID_STEPS, *((name, GAITS[name].phases, dict(GAITS[name].duty)) for name in gaits)]
+    content = [repr(timing).encode(), *(source.read_bytes() for source in sources)]
+    return hashlib.sha256(b"".join(content)).hexdigest()[:8]

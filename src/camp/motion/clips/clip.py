@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from camp.robots.amp_state import amp_parts
 from camp.robots.go2 import FOOT_NAMES, JOINT_NAMES
 
 EXPERT = "expert"  # the source of a clip whose targets and torques are known
@@ -70,17 +71,13 @@ class Clip:
 
 
 def amp_state(clip: Clip) -> np.ndarray:
-    """States of the discriminators, (T, 43) float32, raw SI units (paper, Sec. III-C, in its order).
-
-    Joint positions 12, joint velocities 12, base linear velocity 3, base angular velocity 3, base height 1,
-    foot positions 12.
-    """
-    parts = [
-        clip.joint_position,
-        clip.joint_velocity,
-        clip.base_linear_velocity,
-        clip.base_angular_velocity,
-        clip.base_position[:, 2:],
-        clip.foot_position.reshape(len(clip), 12),
-    ]
-    return np.concatenate(parts, axis=1).astype(np.float32)
+    """States of the discriminators, (T, S) float32, raw SI units, laid out as in `camp.robots.amp_state`."""
+    values = {
+        "joint_position": clip.joint_position,
+        "joint_velocity": clip.joint_velocity,
+        "base_linear_velocity": clip.base_linear_velocity,
+        "base_angular_velocity": clip.base_angular_velocity,
+        "base_height": clip.base_position[:, 2:],
+        "foot_position": clip.foot_position.reshape(len(clip), -1),
+    }
+    return np.concatenate(amp_parts(values), axis=1).astype(np.float32)

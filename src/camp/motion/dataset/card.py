@@ -6,14 +6,16 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from camp.gaits.schedule import GAIT_PHASES
+from camp.common.errors import ClipError
+from camp.common.files import write_text
+from camp.gaits.gait import GAITS
 from camp.motion.clips.clip import SPLITS, STAND, TRAINING_SPLITS, Clip
 from camp.motion.clips.consistency import ClipCheck
 from camp.motion.dataset.report import Cell, worst_by_cell
-from camp.motion.dataset.requests import FASTEST
 from camp.robots.go2 import FOOT_NAMES, JOINT_NAMES, PD_GAIN_D, PD_GAIN_P
 
 CARD_NAME = "README.md"
+_MARK = "Written by `python -m camp.dataset card`; do not edit."
 
 SPLIT_MEANING = {
     "steady": "one command held throughout, recorded after 3 s of walking",
@@ -75,8 +77,7 @@ def dataset_card(clips: Mapping[str, Clip], results: Mapping[str, Sequence[ClipC
     bad = sum(not all(check.passed for check in checks) for checks in results.values())
     parts = [
         "# Expert motions of the Unitree Go2: four gaits, three stride frequencies",
-        f"{len(clips)} clips, {rows:,} rows, {seconds / 60:.1f} minutes, {size / 1e6:.1f} MB. "
-        "Written by `python -m camp.dataset card`; do not edit.",
+        f"{len(clips)} clips, {rows:,} rows, {seconds / 60:.1f} minutes, {size / 1e6:.1f} MB. {_MARK}",
         "## What is in it",
         _counts_table(clips),
         _splits_text(clips),
@@ -98,9 +99,11 @@ def dataset_card(clips: Mapping[str, Clip], results: Mapping[str, Sequence[ClipC
 
 
 def write_card(folder: Path, text: str) -> Path:
-    """Put the card beside the clips; returns its path."""
+    """Put the card beside the clips; returns its path. Raises ClipError for a README that is no card."""
     path = folder / CARD_NAME
-    path.write_text(text, encoding="utf-8")
+    if path.exists() and _MARK.encode() not in path.read_bytes():
+        raise ClipError(f"{path} is there already, and was not written by this command; move it away")
+    write_text(path, text)
     return path
 
 
@@ -125,7 +128,9 @@ _FILES = f"""One `.npz` per clip, no pickles: `numpy.load(path, allow_pickle=Fal
 joints {_JOINTS_OF_A_LEG}, then the other legs'. Row t is the state in which target t was given. Numbers are
 float32."""
 
-_SLOWED = ", ".join(f"a {gait} at {rate:g} Hz to {speed:g} m/s" for (gait, rate), speed in FASTEST.items())
+_SLOWED = ", ".join(
+    f"a {gait.name} at {rate:g} Hz to {speed:g} m/s" for gait in GAITS.values() for rate, speed in gait.fastest.items()
+)
 _LIMITS = f"""Frequency, speed and turn errors are of the means over whole strides. Phases: worst pair of legs.
 Contacts: fraction of rows and feet that follow the schedule. Duty and flight: difference to the schedule's. Slip: speed
 of standing feet. Torque and joint speed: largest fraction of the limit. Beyond range: negative where the joints stay
@@ -137,7 +142,7 @@ contacts match for .85 of the time."""
 def _counts_table(clips: Mapping[str, Clip]) -> str:
     splits = [split for split in SPLITS if any(clip.split == split for clip in clips.values())]
     counts = Counter(map(_cell_of, clips.values()))
-    order = [*GAIT_PHASES, STAND]
+    order = [*GAITS, STAND]
     shown = {(gait, frequency) for _, gait, frequency in counts}
     cells = sorted(shown, key=lambda cell: (order.index(cell[0]), cell[1]))
     rows = [

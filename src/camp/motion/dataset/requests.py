@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camp.gaits.schedule import GAIT_PHASES, GRID_STEPS
+from camp.gaits.gait import GAITS, GRID_STEPS
 from camp.motion.clips.clip import STAND
 
 Twist = tuple[float, float, float]  # vx, vy in m/s and yaw rate in rad/s
@@ -16,7 +16,7 @@ SHIPPED_FREQUENCIES = tuple(GRID_STEPS)  # Hz
 NOISE_LEVELS = (0.0, 0.05, 0.1)  # rad, standard deviation of the noise on the applied target
 PUSH_DURATION = 0.1  # s
 
-_CELLS = [(gait, frequency) for gait in GAIT_PHASES for frequency in SHIPPED_FREQUENCIES]
+_CELLS = [(gait.name, frequency) for gait in GAITS.values() for frequency in gait.duty]
 _STEADY: tuple[Twist, ...] = (
     (0.0, 0.0, 0.0),
     (0.3, 0.0, 0.0),
@@ -35,10 +35,6 @@ _STEADY: tuple[Twist, ...] = (
     (-0.3, 0.0, 0.4),
 )
 
-# What a gait does not bear, the one place where commands are slowed down. Elsewhere all gaits reach 1 m/s.
-FASTEST: dict[tuple[str, float], float] = {  # m/s forward
-    ("pronk", 2.0): 0.8,  # flies far: beyond it the contacts leave the schedule and the knees near their end stop
-}
 # How far the body goes below or above its usual height, m: more makes a pace at 2 Hz too slow and
 # brings a pronk at 2 Hz off its schedule.
 LOWER, HIGHER = 0.025, 0.015
@@ -121,7 +117,7 @@ def shipped_requests() -> list[ClipRequest]:
 def bearable(gait: str, frequency_hz: float, command: Twist) -> Twist:
     """The command, slowed down where the gait does not bear it."""
     vx, vy, wz = command
-    return min(vx, FASTEST.get((gait, frequency_hz), vx)), vy, wz
+    return min(vx, GAITS[gait].fastest.get(frequency_hz, vx)), vy, wz
 
 
 def _steady(gait: str, frequency: float) -> list[ClipRequest]:
@@ -173,10 +169,10 @@ def _transitions() -> list[ClipRequest]:
     command = (0.3, 0.0, 0.0)
     return [
         ClipRequest(after, frequency, command, split="transition", previous_gait=before)
-        for before in GAIT_PHASES
-        for after in GAIT_PHASES
+        for before in GAITS
+        for after in GAITS
         for frequency in SHIPPED_FREQUENCIES[:2]
-        if before != after
+        if before != after and all(frequency in GAITS[gait].duty for gait in (before, after))
     ]
 
 
@@ -206,7 +202,7 @@ def _random_pushes(rng: np.random.Generator) -> tuple[Push, ...]:
 
 
 def _generator(gait: str, frequency_hz: float, *more: int) -> np.random.Generator:
-    return np.random.default_rng((list(GAIT_PHASES).index(gait), int(frequency_hz), *more))
+    return np.random.default_rng((list(GAITS).index(gait), int(frequency_hz), *more))
 
 
 def random_command(rng: np.random.Generator) -> Twist:
