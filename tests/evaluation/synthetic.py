@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from camp.evaluation.recording import Recording
-from camp.gaits.schedule import DUTY_FACTOR, GAIT_PHASES
+from camp.gaits.gait import GAITS as GAITS_OF
+from camp.gaits.schedule import GAIT_PHASES
 from camp.gaits.skills import skill_set
 
 GAITS = ("trot", "pace", "bound", "pronk")
@@ -16,7 +17,7 @@ PERIOD = 0.02
 
 
 def contacts(gait: str, frequency: float = 2.5) -> np.ndarray:
-    duty = np.mean([DUTY_FACTOR[gait][2.0], DUTY_FACTOR[gait][3.0]])
+    duty = np.mean([GAITS_OF[gait].duty[2.0], GAITS_OF[gait].duty[3.0]])
     phase = np.arange(STEPS)[:, None] * PERIOD * frequency - np.array(GAIT_PHASES[gait])
     return np.mod(phase, 1.0) < duty
 

@@ -9,15 +9,15 @@ from dataclasses import asdict
 import pytest
 import torch
 
+from camp.build import build_env
 from camp.common.errors import CampError
 from camp.envs.measurement import measure
-from camp.envs.observations import Situation, actor_entries, observe
 from camp.evaluation.contract import Contract, Output, Term, parse_skill, read_contract
 from camp.evaluation.controllers import NetworkController, OpenLoopSine, Sight, Standing, gains
 from camp.evaluation.policies import contract_of_run
 from camp.gaits.skills import Skill
 from camp.robots.go2 import DEFAULT_JOINT_POSITION, JOINT_NAMES
-from camp.sim.base import Dynamics, InitialState
+from camp.sim.base import InitialState
 
 
 def sight(num: int = 2, time_s: float = 0.0) -> Sight:
@@ -71,21 +71,20 @@ def started(found: Contract, held: torch.Tensor | None = None) -> tuple[NetworkC
     return controller, echo
 
 
-def test_a_policy_of_camp_sees_what_it_sees_in_training(config):
-    found, seen = contract_of_run("camp", config), sight()
-    skills = len(found.skills)
-    controller, echo = started(found, torch.tensor(DEFAULT_JOINT_POSITION) + 0.5 * torch.ones(2, 12))
-    target = controller(seen)
-    situation = Situation(
-        seen.measurement,
-        seen.command,
-        torch.full((2, 12), 0.5 / config.robot.action_scale),
-        torch.nn.functional.one_hot(seen.skill, skills).float(),
-        torch.zeros(2, 3),
-        Dynamics.nominal(2, 0.8, torch.device("cpu")),
-    )
-    torch.testing.assert_close(echo.seen[0], observe(actor_entries(skills), situation))
-    pose = torch.tensor(DEFAULT_JOINT_POSITION)
+def test_a_policy_of_camp_sees_what_it_sees_in_training(config, clips):
+    env = build_env(config, clips, num_envs=2)
+    try:
+        env.reset(seed=3, options={"stagger": False})
+        found = contract_of_run("camp", config)
+        command, skill = torch.tensor([[0.5, 0.0, 0.1], [0.2, -0.1, 0.0]]), torch.tensor([0, 3])
+        pose, action = torch.tensor(DEFAULT_JOINT_POSITION), torch.full((2, 12), 0.1)
+        controller, echo = started(found, pose + config.robot.action_scale * action)
+        env.advance(action)
+        expected = env.set_command(command, skill)
+        target = controller(Sight(measure(env.sim.state), command, skill, 0.02))
+    finally:
+        env.close()
+    torch.testing.assert_close(echo.seen[0], expected)
     torch.testing.assert_close(target[0], pose + config.robot.action_scale * torch.arange(12.0))
 
 

@@ -7,7 +7,8 @@ import pytest
 
 from camp.evaluation.fooling import PERIOD_S as PERIOD
 from camp.evaluation.fooling import fooling_logs, gait_contact, log_of, standing, walking
-from camp.gaits.schedule import DUTY_FACTOR, GAIT_PHASES
+from camp.gaits.gait import GAITS
+from camp.gaits.schedule import GAIT_PHASES
 from camp.metrics.criteria import CRITERIA, ContactLog, Limits, failures, is_right, lift_fraction, read_walks
 from camp.metrics.gait import measure_gait
 
@@ -137,4 +138,4 @@ def test_a_short_walk_is_refused():
 
 def test_every_gait_of_the_tables_is_within_the_limits():
     limits = Limits()
-    assert max(max(table.values()) for table in DUTY_FACTOR.values()) < 1 - limits.bounce_s * 4.0
+    assert max(duty for gait in GAITS.values() for duty in gait.duty.values()) < 1 - limits.bounce_s * 4.0

@@ -104,9 +104,7 @@ def parse_skill(name: str) -> Skill:
     found = re.fullmatch(r"(?P<gait>.+?)(?:_(?P<hz>\d+(?:\.\d+)?)hz)?", name)
     if found is None or found["gait"] not in GAIT_PHASES:
         known = ", ".join(GAIT_PHASES)
-        raise ValueError(
-            f"skill {name!r} is none of the judge's: name a gait ({known}), or it and a frequency: trot_3hz"
-        )
+        raise ValueError(f"skill {name!r} is none of the judge's: name a gait ({known}), with or without _<n>hz")
     hz = None if found["hz"] is None else float(found["hz"])
     if hz == 0.0:
         raise ValueError(f"skill {name!r}: write a frequency above 0, as in trot_3hz")

@@ -36,7 +36,9 @@ def printed(report: Report) -> Group:
         (report.robustness, robustness_table),
     ]
     tables += [make(part) for part, make in parts if part]
-    return Group(*tables, verdict_table(report.verdict, f"verdict, suite {report.suite.name} ({report.suite.digest})"))
+    if report.verdict:
+        tables.append(verdict_table(report.verdict, f"verdict, suite {report.suite.name} ({report.suite.digest})"))
+    return Group(*tables)
 
 
 def verdict_table(findings: Sequence[Finding], title: str) -> Table:

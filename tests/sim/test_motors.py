@@ -1,4 +1,4 @@
-"""Torques and sliding feet against MuJoCo's own."""
+"""Torques and heights of feet against MuJoCo's own."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import torch
 
-from camp.envs.measurement import measure
-from camp.evaluation.physics import MotorLaw, foot_height
+from camp.envs.measurement import foot_height, measure
 from camp.robots import go2
 from camp.sim.base import Dynamics, InitialState
+from camp.sim.motors import MotorLaw
 
 
 @pytest.fixture
@@ -37,7 +37,7 @@ def test_torque_is_that_of_the_model(data):
     state, gains = state_of(data), ((30.0, 30.0, 40.0) * 4, (1.0,) * 12)
     law = MotorLaw.of(gains, Dynamics.nominal(1, 0.8, torch.device("cpu")))
     target = torch.tensor(data.ctrl, dtype=torch.float32)[None]
-    torque = law.torque(*(x[:, None] for x in (target, state.joint_position, state.joint_velocity)))[:, 0]
+    torque = law.torque(target, state.joint_position, state.joint_velocity)
     np.testing.assert_allclose(torque[0], data.actuator_force, atol=1e-4)
 
 
@@ -46,9 +46,9 @@ def test_weak_motors_and_the_limit_count():
     dynamics = Dynamics.nominal(1, 0.8, torch.device("cpu"))
     dynamics.motor_strength[:] = 0.5
     law = MotorLaw.of(gains, dynamics)
-    torque = law.torque(torch.full((1, 1, 12), 1.0), torch.zeros(1, 1, 12), torch.full((1, 1, 12), 2.0))[0]
+    torque = law.torque(torch.full((1, 12), 1.0), torch.zeros(1, 12), torch.full((1, 12), 2.0))
     assert torque[0, :3].tolist() == pytest.approx([14.0, 14.0, 19.0])  # .5 (30 - 2), .5 (40 - 2)
-    assert law.torque(torch.full((1, 1, 12), 9.0), *torch.zeros(2, 1, 1, 12)).max() == pytest.approx(45.43)
+    assert law.torque(torch.full((1, 12), 9.0), *torch.zeros(2, 1, 12)).max() == pytest.approx(45.43)
 
 
 def test_foot_height_is_that_of_the_lowest_point_of_the_sphere(data):
