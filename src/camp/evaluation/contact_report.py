@@ -159,6 +159,9 @@ def _stretches(log: FootLog, offset_s: float) -> list[Stretch]:
         gait, first, last = str(label[begin]), begin * every, min(end * every, len(log.contact))
         start_s, end_s = (round(offset_s + row * log.period_s, 6) for row in (first, last))
         stretch = Stretch(start_s, end_s, gait)
+        # A label changes in the middle of its window: half of it beside another gait is left out of what is measured.
+        edge = round(Limits().label_window_s / 2 / log.period_s)
+        first, last = first + edge * (begin > 0), last - edge * (end < len(label))
         if gait != NO_GAIT and (last - first) * log.period_s >= Limits().frequency_window_s + period:
             _measure(stretch, read_walks(_part(log, first, last)))
         result.append(stretch)
@@ -184,7 +187,7 @@ def _switches(log: FootLog, offset_s: float) -> list[Switch]:
     every = round(period / log.period_s)
     asked = log.skill[::every]
     begins = np.flatnonzero(asked[1:] != asked[:-1]) + 1
-    ends, result = [*begins[1:], len(asked)], []
+    ends, result = [*begins[1:], len(asked)][: len(begins)], []
     for begin, end in zip(begins, ends, strict=True):
         name = str(asked[begin])
         try:
