@@ -154,7 +154,7 @@ def test_the_robot_is_chosen_by_its_name():
         (["--robot", "spot", "validate"], "--robot = 'spot': unknown robot"),
         (["validate", "--robot", "spot"], "--robot = 'spot': unknown robot"),
         (["perturbed", "--robot", "spot"], "--robot = 'spot': unknown robot"),
-        (["--only", "gallop_*"], "--only 'gallop_*': matches none of"),
+        (["--only", "gallop_*"], "--only 'gallop_*': fits no clip"),
     ],
 )
 def test_a_robot_or_clip_that_does_not_exist_is_one_line(arguments, message, capfd):

@@ -188,7 +188,7 @@ def test_names_say_what_is_shown() -> None:
     assert PERTURBED.name == "pronk_3hz_perturbed_00005"
 
 
-def test_shipped_requests(GO2) -> None:
+def test_shipped_requests() -> None:
     shipped = shipped_requests(GO2)
     names = [request.name for request in shipped]
     assert len(set(names)) == len(names) <= 310

@@ -55,7 +55,7 @@ def test_kine2go_knows_its_own_layout(tmp_path: Path, amp: Path) -> None:
         ({"Frames": spoiled(slice(19, 31), 1.15)}, "if the file was made for another robot, pass --trust-joints"),
         ({"Frames": in_world}, "pass --velocity-frame world"),
         ({"Frames": spoiled(slice(34, 37), 5.0)}, "root angular velocity misses the change of the positions"),
-        ({"Frames": spoiled(slice(7, 19), 57.3)}, "m (mean) from those of a Go2"),
+        ({"Frames": spoiled(slice(7, 19), 57.3)}, "m (mean) from those of a Unitree Go2"),
         ({"Frames": spoiled(slice(2, 3), 1.5)}, "from the floor (z = 0), at most 0.03 m is allowed; pass --ground"),
     ],
 )
