@@ -15,7 +15,7 @@ export MUJOCO_GL ?= $(if $(shell ldconfig -p 2>/dev/null | grep -F libEGL.so),eg
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test check train evaluate figures dataset bench clean
+.PHONY: help setup demo test lint check train evaluate figures dataset bench clean
 .NOTPARALLEL:
 
 help: ## list the targets
@@ -44,7 +44,12 @@ demo: setup ## the shipped policy: short evaluation, a video of all gaits, figur
 test: setup ## run all tests, a file at a time on each of up to four processors
 	"$(BIN)/python" -m pytest -n auto --maxprocesses 4 --dist loadfile $(ARGS)
 
-check: setup ## format, lint, check types, run the fast tests
+lint: setup ## check format, lint and types without changing a file (what CI runs before the tests)
+	"$(BIN)/ruff" format --check .
+	"$(BIN)/ruff" check .
+	"$(BIN)/pyright" --pythonpath "$(BIN)/python"
+
+check: setup ## format, mend what ruff can mend, then lint, check types and run the fast tests
 	"$(BIN)/ruff" format .
 	"$(BIN)/ruff" check --fix .
 	"$(BIN)/pyright" --pythonpath "$(BIN)/python"

@@ -1,5 +1,4 @@
-"""Do skills form clusters in the skill discriminator's latent space? Paper, Fig. 3: t-SNE, K-means beside
-truth."""
+"""Skill clusters in the skill discriminator's latent space: t-SNE, K-means beside ground truth (paper, Fig. 3)."""
 
 from __future__ import annotations
 
@@ -24,19 +23,25 @@ POINTS_PER_SKILL = 200  # t-SNE of 1600 points takes seconds; more only thickens
 
 
 @dataclass(frozen=True)
-class Clusters:
-    """B transitions in the plane, with two labellings of the same names.
+class Partition:
+    """K-means' clusters of B transitions beside their skills.
 
-    position: (B, 2), no unit; skill: (B,) true names; cluster: (B,) names that K-means' clusters were matched
-    to; rand: adjusted Rand index, 0 for chance, 1 for the same partition; purity: fraction of points whose
-    cluster's most frequent skill is their own.
+    skill: (B,) true names; cluster: (B,) names that K-means' clusters were matched to; rand: adjusted Rand index,
+    0 for chance, 1 for the same partition; purity: fraction of points whose cluster's most frequent skill is their own.
     """
 
-    position: NDArray[np.floating]
     skill: NDArray[np.str_]
     cluster: NDArray[np.str_]
     rand: float
     purity: float
+
+
+@dataclass(frozen=True)
+class Clusters:
+    """B transitions in the plane, with two labellings. position: (B, 2), no unit."""
+
+    position: NDArray[np.floating]
+    partition: Partition
 
 
 def sample_transitions(
@@ -59,11 +64,18 @@ def sample_transitions(
 
 
 def compute_clusters(feature: NDArray[np.floating], skill: NDArray[np.str_], seed: int) -> Clusters:
-    """K-means on standardized features with one cluster per skill, then t-SNE of the same features (paper,
-    Sec. IV-A).
+    """K-means and t-SNE of the same standardized features (paper, Sec. IV-A).
 
-    feature: (B, Z); skill: (B,) names. K-means sees all Z dimensions: t-SNE is for the eye only.
+    feature: (B, Z); skill: (B,) names. K-means uses all Z dimensions; t-SNE serves the picture only.
     """
+    standard = StandardScaler().fit_transform(feature)
+    perplexity = min(30.0, (len(standard) - 1) / 3)
+    position = TSNE(2, perplexity=perplexity, init="pca", random_state=seed).fit_transform(standard)
+    return Clusters(position, compute_partition(feature, skill, seed))
+
+
+def compute_partition(feature: NDArray[np.floating], skill: NDArray[np.str_], seed: int) -> Partition:
+    """K-means on standardized features (B, Z) with one cluster for each of the skills' names (B,)."""
     standard = StandardScaler().fit_transform(feature)
     names, truth = np.unique(skill, return_inverse=True)
     # scikit-learn annotates n_init as str only; its documentation allows a count.
@@ -72,10 +84,7 @@ def compute_clusters(feature: NDArray[np.floating], skill: NDArray[np.str_], see
     counts = np.zeros((len(names), len(names)), dtype=int)  # (cluster, skill)
     np.add.at(counts, (index, truth), 1)
     matched = linear_sum_assignment(-counts)[1]  # the naming of clusters that agrees with most points
-    perplexity = min(30.0, (len(standard) - 1) / 3)
-    position = TSNE(2, perplexity=perplexity, init="pca", random_state=seed).fit_transform(standard)
-    return Clusters(
-        position=position,
+    return Partition(
         skill=skill,
         cluster=names[matched[index]],
         rand=float(adjusted_rand_score(truth, index)),
@@ -85,13 +94,14 @@ def compute_clusters(feature: NDArray[np.floating], skill: NDArray[np.str_], see
 
 def draw_clusters(clusters: Clusters) -> Figure:
     """Ground truth on the left, K-means on the right, the same points and colours."""
+    partition = clusters.partition
     with style():
         figure = new_figure(WIDE)
         left, right = figure.subplots(1, 2, sharex=True, sharey=True)
-        _scatter(left, clusters.position, clusters.skill)
+        _scatter(left, clusters.position, partition.skill)
         left.set_title("Skill of the expert clip")
-        _scatter(right, clusters.position, clusters.cluster)
-        right.set_title(f"K-means: adjusted Rand index {clusters.rand:.2f}, purity {clusters.purity:.0%}")
+        _scatter(right, clusters.position, partition.cluster)
+        right.set_title(f"K-means: adjusted Rand index {partition.rand:.2f}, purity {partition.purity:.0%}")
         handles, labels = left.get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 4), markerscale=3)
         figure.suptitle("Skill-discriminator features of expert transitions, t-SNE", fontsize=10)

@@ -1,4 +1,4 @@
-"""Which feet stand while the robot switches through its skills? Paper, Fig. 6: foot-contact diagram."""
+"""Foot-contact diagram of a sequence of skill switches (paper, Fig. 6)."""
 
 from __future__ import annotations
 

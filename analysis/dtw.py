@@ -1,4 +1,4 @@
-"""How near are gaits at different stride frequencies in the latent space? Paper, Fig. 4: DTW distances."""
+"""DTW distances between gaits at several stride frequencies in the latent skill space (paper, Fig. 4)."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from tslearn.metrics import dtw
 
 from analysis.load import AnalysisError, ClipFeatures, gaits_of
 from analysis.style import INK, SQUARE, new_figure, style
+from camp.gaits.skills import Skill
 
 DURATION_S = 2.0  # compared of each clip, cut to whole strides
 COMMANDS_PER_PAIR = 6  # of those two cells share; each costs a few ms per pair of cells
@@ -22,7 +23,7 @@ FeaturesByCommand = dict[tuple[float, ...], NDArray[np.floating]]
 
 @dataclass(frozen=True)
 class LatentDistances:
-    """labels: C names such as trot_2Hz; distance: (C, C) in units of the latent space, nan where no command
+    """labels: C names such as trot_2hz; distance: (C, C) in units of the latent space, nan where no command
     is shared."""
 
     labels: list[str]
@@ -63,7 +64,7 @@ def compute_distances(clips: list[ClipFeatures]) -> LatentDistances:
     for i, first in enumerate(names):
         for j, second in enumerate(names[: i + 1]):
             distance[i, j] = distance[j, i] = _mean_distance(cells[first], cells[second])
-    return LatentDistances([f"{gait}_{frequency:g}Hz" for gait, frequency in names], distance)
+    return LatentDistances([Skill(*cell).name for cell in names], distance)
 
 
 def _mean_distance(first: FeaturesByCommand, second: FeaturesByCommand) -> float:

@@ -1,4 +1,4 @@
-"""What does the expert do? Contacts, joints, body and speed of the shipped clips, one figure per gait.
+"""The expert's motions: contacts, joints, body and speed of the shipped clips, one figure per gait.
 
 `python -m analysis.motions [FOLDER] [TARGET]` draws the clips of FOLDER (default: the shipped ones) into TARGET
 (default: docs/motions) and prints the paths.

@@ -1,4 +1,4 @@
-"""An evaluation's report, eval.json, as far as runs are compared by it."""
+"""The entries of an evaluation's report, eval.json, by which runs are compared."""
 
 from __future__ import annotations
 

@@ -1,5 +1,4 @@
-"""One look for every figure: sizes in inches, one colour per gait, no global matplotlib
-state."""
+"""The style of all figures: sizes in inches, one colour per gait, no global matplotlib state."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the task reward pays the expert's own steady clips: ``python -m analysis.task_reward``."""
+"""Mean task reward of the expert's steady clips: ``python -m analysis.task_reward``."""
 
 from __future__ import annotations
 

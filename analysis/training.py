@@ -1,4 +1,4 @@
-"""How did training go? A run's learning curves against environment steps."""
+"""Learning curves of a run against environment steps."""
 
 from __future__ import annotations
 
@@ -201,7 +201,7 @@ def _draw_gaits(axes: Axes, training: TrainingCurves) -> None:
     strides = sorted({_stride_hz(skill) for skill in skills}, reverse=True)
     dashes = {stride: _STRIDES[index % len(_STRIDES)] for index, stride in enumerate(strides)}
     lines = [
-        Line(f"gait/{skill}/accuracy", _title(skill), colour, dashes[_stride_hz(skill)])
+        Line(f"gait/{skill}/accuracy", skill, colour, dashes[_stride_hz(skill)])
         for skill, colour in skill_colours(skills).items()
     ]
     _draw_panel(axes, training, lines, "Robots that show the commanded skill, by foot contacts", "fraction of robots")
@@ -210,10 +210,6 @@ def _draw_gaits(axes: Axes, training: TrainingCurves) -> None:
 def _stride_hz(skill: str) -> float:
     """A skill's stride frequency; 0 where it may have any."""
     return split_name(skill)[1] or 0.0
-
-
-def _title(skill: str) -> str:
-    return skill.replace("_", " ").replace("hz", " Hz")
 
 
 def _draw_logits(axes: Axes, training: TrainingCurves) -> None:

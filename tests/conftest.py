@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from functools import cache
+from pathlib import Path
+from typing import Any
+
 import pytest
 import torch
 
@@ -10,6 +14,25 @@ from camp.config.compose import compose_config
 from camp.config.schema import Config
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.store import load_clips
+
+
+@pytest.hookimpl(optionalhook=True)  # pytest-xdist's
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """With `--dist loadfile`: a file's tests in one worker, and all files with tests of DTW in the same one."""
+    from xdist.scheduler import LoadFileScheduling
+
+    class OneCompilation(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            scope = super()._split_scope(nodeid)
+            return "dtw" if compiles_dtw(config.rootpath / scope) else scope
+
+    return OneCompilation(config, log) if config.getvalue("dist") == "loadfile" else None
+
+
+@cache
+def compiles_dtw(path: Path) -> bool:
+    """Whether a file has tests that are marked so."""
+    return "pytest.mark.dtw" in path.read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="session", autouse=True)

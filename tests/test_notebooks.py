@@ -25,7 +25,9 @@ def test_is_kept_without_outputs(path):
 @pytest.mark.slow
 def test_tour_runs_and_draws_two_figures():
     notebook = nbformat.read(FOLDER / "tour.ipynb", as_version=4)
-    NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(FOLDER)}}).execute()
+    NotebookClient(
+        notebook, timeout=None, startup_timeout=3600, resources={"metadata": {"path": str(FOLDER)}}
+    ).execute()
     images = [o for cell in code_cells(notebook) for o in cell.outputs if "image/png" in o.get("data", {})]
     assert len(images) == 2
     printed = "".join(o.text for cell in code_cells(notebook) for o in cell.outputs if o.output_type == "stream")

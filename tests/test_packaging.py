@@ -11,8 +11,10 @@ import tomllib
 import zipfile
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import pytest
+from omegaconf import OmegaConf
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
@@ -98,6 +100,26 @@ def test_wheel_composes_from_an_empty_folder(wheel, tmp_path):
     assert result.returncode == 0, result.stderr
     assert "variant: no_skill_disc" in result.stdout
     assert list(workplace.iterdir()) == []
+
+
+@needs_make
+def test_lint_changes_no_file_and_is_what_ci_runs_first():
+    shown = subprocess.run(["make", "-n", "lint"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    assert '/ruff" format --check .' in shown and '/ruff" check .' in shown and '/pyright"' in shown
+    assert "--fix" not in shown
+    run = [line.split()[-1] for line in (ROOT / ".ci" / "run").read_text().splitlines() if line.startswith("make ")]
+    assert run == ["lint", "test"]
+
+
+def test_hooks_download_nothing_and_use_pinned_tools():
+    config: Any = OmegaConf.to_container(OmegaConf.load(ROOT / ".pre-commit-config.yaml"))
+    developing = {requirement.name for requirement in map(Requirement, LISTS["dev"])}
+    for repository in config["repos"]:
+        assert repository["repo"] == "local"
+        for hook in repository["hooks"]:
+            assert hook["language"] == "system"
+            assert Path(hook["entry"].split()[0]).parent == Path(".venv/bin")
+            assert Path(hook["entry"].split()[0]).name in developing
 
 
 @needs_make

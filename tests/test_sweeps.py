@@ -1,26 +1,19 @@
-"""Sweeps on Hydra's launchers, typed as in docs/scaling.md."""
+"""Sweeps on Hydra's launchers; tests/test_docs.py reads the commands of docs/scaling.md."""
 
 from __future__ import annotations
 
-import re
-import shlex
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from hydra import compose, initialize_config_dir
 from hydra.core.config_store import ConfigStore
 from hydra.core.plugins import Plugins
 from omegaconf import OmegaConf
-from torch.distributed.run import get_args_parser
 
-from camp.build import share_of_rank
 from camp.cli.hydra_main import run_hydra
-from camp.common import distributed
 from camp.common.paths import config_root
 from camp.config.compose import register_ablations
-from camp.config.resolve import resolve
 from camp.train import train
 from tests.test_train import QUIET, TINY, environment, error_line, metrics_of, runs_in
 
@@ -111,32 +104,3 @@ def test_a_bug_outside_a_sweep_stays_a_bug(monkeypatch):
     monkeypatch.setattr("camp.cli.hydra_main.hydra.main", lambda **_: lambda job: lambda: 1 // 0)
     with pytest.raises(ZeroDivisionError):
         run_hydra("train", train, [])
-
-
-def commands_of(page: str) -> list[list[str]]:
-    """The shell commands shown on a page of docs/, split."""
-    text = (Path(__file__).parents[1] / "docs" / page).read_text()
-    blocks = re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
-    return [shlex.split(line) for block in blocks for line in block.splitlines() if line]
-
-
-@pytest.mark.parametrize("command", commands_of("scaling.md"), ids=" ".join)
-def test_every_command_of_the_page_is_understood(command, monkeypatch):
-    """Torchrun knows its options, and what camp.train gets composes and passes the checks, for each job of a sweep."""
-    ranks, arguments = 1, command[3:]
-    if command[0] == "torchrun":
-        options = get_args_parser().parse_args(command[1:])
-        ranks, arguments = (
-            int(options.nnodes.split(":")[-1]) * int(options.nproc_per_node),
-            options.training_script_args,
-        )
-        assert options.module and options.training_script == "camp.train"
-    else:
-        assert command[:3] == ["python", "-m", "camp.train"]
-    monkeypatch.setattr(distributed, "size", lambda: ranks)
-    overrides = [re.sub(r"^(seed=\d).*", r"\1", a) for a in arguments if a != "-m"]
-    register_ablations()
-    with initialize_config_dir(str(config_root()), version_base="1.3"):
-        config = compose("train", overrides=overrides, return_hydra_config=True)
-    whole = resolve(config)
-    assert share_of_rank(whole).sim.num_envs * ranks == whole.sim.num_envs

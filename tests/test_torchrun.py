@@ -17,9 +17,17 @@ from camp.config.compose import compose_config
 from camp.runs.checkpoint import load_checkpoint
 from camp.training.runner import Runner
 from tests.algo.synthetic import assert_identical
-from tests.errors import assert_one_line
 from tests.ranks import in_ranks
-from tests.test_train import TINY, environment, metrics_of, runs_in, wait_for_checkpoint
+from tests.test_train import (
+    ENDLESS,
+    TINY,
+    Uninterrupted,
+    environment,
+    error_line,
+    metrics_of,
+    runs_in,
+    wait_for_iteration,
+)
 
 TORCHRUN = str(Path(sys.executable).with_name("torchrun"))
 SMOKE = ["run=smoke", *TINY, "logger.wandb_mode=disabled"]
@@ -55,61 +63,65 @@ def test_ranks_see_different_robots_and_hold_the_same_networks(tmp_path):
     assert first["seen"].shape == (4, 49) and not torch.equal(first["seen"], second["seen"])
 
 
+IMITATING = [
+    *("algo.imitation.epochs=1", "algo.imitation.batch_size=4096", "motion.perturbed_clips=1"),
+    "algo.imitation.ppo_weight=1",
+]
+LONG = [*SMOKE, *IMITATING, "run.checkpoint_every=1", "run.checkpoints_kept=3"]
+
+
+@pytest.fixture(scope="module")
+def uninterrupted(tmp_path_factory) -> Uninterrupted:
+    """Two processes that nobody stops."""
+    reference = Uninterrupted(tmp_path_factory.mktemp("uninterrupted"), command(*LONG))
+    reference.rows(12)
+    return reference
+
+
 @pytest.mark.slow
-def test_two_processes_are_one_run(tmp_path):
-    imitation = ["algo.imitation.epochs=1", "algo.imitation.batch_size=4096", "motion.perturbed_clips=1"]
-    imitation += ["algo.imitation.ppo_weight=1"]
-    done = run(tmp_path, *SMOKE, *imitation)
-    assert done.returncode == 0, done.stderr
-    (folder,) = runs_in(tmp_path)
+def test_two_processes_are_one_run(uninterrupted):
+    folder, printed = uninterrupted.run, uninterrupted.output
     assert len((folder / "imitation.jsonl").read_text().splitlines()) == 1
-    assert done.stdout.count("pairs, loss") == 1
+    assert printed.count("pairs, loss") == 1
     rows = metrics_of(folder)
-    assert [row["iteration"] for row in rows] == [1, 2, 3, 4, 5]
-    assert rows[-1]["steps"] == 5 * 8 * 8
+    assert [row["iteration"] for row in rows] == list(range(1, 13))
+    assert rows[-1]["steps"] == 12 * 8 * 8
     assert rows[-1]["ppo/auxiliary_loss"] > 0.0
-    assert done.stdout.count("run folder:") == done.stdout.count("iteration 5/5") == 1
+    assert printed.count("run folder:") == printed.count("iteration 12/12") == 1
     assert len(load_checkpoint(folder)["ranks"]) == 2
 
-    alone = subprocess.run(
-        [sys.executable, "-m", "camp.train", f"resume={folder}"], env=environment(), capture_output=True, text=True
-    )
-    assert alone.returncode == 2
-    assert_one_line(alone.stderr)
-    assert "trained by 2 processes" in alone.stderr and "torchrun --nproc-per-node=2" in alone.stderr
 
-    longer = run(tmp_path, f"resume={folder}", "run.iterations=6")
-    assert longer.returncode == 0, longer.stderr
-    assert metrics_of(folder)[-1]["ppo/auxiliary_loss"] > 0.0
+@pytest.mark.slow
+def test_another_number_of_processes_is_refused(uninterrupted, capsys):
+    line = error_line([f"resume={uninterrupted.run}"], capsys)
+    assert "trained by 2 processes" in line and "torchrun --nproc-per-node=2" in line
 
 
 @pytest.mark.slow
-def test_a_stopped_or_killed_run_continues_as_if_nothing_had_happened(tmp_path):
-    straight, broken = tmp_path / "straight", tmp_path / "broken"
-    straight.mkdir(), broken.mkdir()
-    long = [*SMOKE, "run.iterations=40", "run.checkpoint_every=1", "run.checkpoints_kept=80"]
-    assert run(straight, *long).returncode == 0
-
-    stopped = subprocess.Popen(command(*long), cwd=broken, env=environment(), stdout=subprocess.PIPE, text=True)
-    folder = wait_for_checkpoint(broken, stopped, 3)
+def test_a_stopped_or_killed_run_continues_as_if_nothing_had_happened(uninterrupted, tmp_path):
+    begun = command(*LONG, f"run.iterations={ENDLESS}")
+    stopped = subprocess.Popen(begun, cwd=tmp_path, env=environment(), stdout=subprocess.PIPE, text=True)
+    folder = wait_for_iteration(tmp_path, stopped, 3)
     stopped.send_signal(signal.SIGTERM)
-    output, _ = stopped.communicate(timeout=180)
+    output, _ = stopped.communicate()
     assert stopped.returncode != 0 and "continue with: torchrun --nproc-per-node=2" in output
     reached = len(metrics_of(folder))
-    assert reached < 35 and len(load_checkpoint(folder)["ranks"]) == 2
+    assert reached >= 3 and len(load_checkpoint(folder)["ranks"]) == 2
 
     resume = f"resume={folder}"
-    killed = subprocess.Popen(command(resume), cwd=broken, env=environment(), stderr=subprocess.PIPE, text=True)
-    wait_for_checkpoint(broken, killed, reached + 2)
+    killed = subprocess.Popen(command(resume), cwd=tmp_path, env=environment(), stderr=subprocess.PIPE, text=True)
+    wait_for_iteration(tmp_path, killed, reached + 2)
     children = Path(f"/proc/{killed.pid}/task/{killed.pid}/children").read_text().split()
     subprocess.run(["kill", "-KILL", children[-1]], check=True)
-    _, errors = killed.communicate(timeout=180)
-    assert killed.returncode != 0 and len(metrics_of(folder)) < 40
+    _, errors = killed.communicate()
+    assert killed.returncode != 0
     assert "error: rank 0: the other processes cannot be reached" in errors
 
-    assert run(broken, resume).returncode == 0
-    (other,) = runs_in(straight)
-    assert metrics_of(folder) == metrics_of(other)
+    iterations = len(metrics_of(folder)) + 2
+    resumed = run(tmp_path, resume, f"run.iterations={iterations}")
+    assert resumed.returncode == 0, resumed.stderr
+    assert metrics_of(folder)[-1]["ppo/auxiliary_loss"] > 0.0
+    assert metrics_of(folder) == uninterrupted.rows(iterations)
 
 
 @pytest.mark.slow

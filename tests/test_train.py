@@ -17,6 +17,7 @@ from camp.build import motion_folder
 from camp.cli.hydra_main import run_hydra
 from camp.config.compose import compose_config
 from camp.config.resolve import load_run_config
+from camp.runs.checkpoint import list_checkpoints
 from camp.train import train
 
 TINY = ["sim.num_envs=8", "sim.threads=1", "run.rollout_steps=8", "motion.num_preloaded=400"]
@@ -39,19 +40,6 @@ def runs_in(folder: Path) -> list[Path]:
 def metrics_of(run: Path) -> list[dict]:
     rows = [json.loads(line) for line in (run / "metrics.jsonl").read_text().splitlines()]
     return [{key: value for key, value in row.items() if not key.startswith("time/")} for row in rows]
-
-
-def test_smoke_run_from_any_folder(tmp_path):
-    done = subprocess.run(
-        command("run=smoke", *TINY, QUIET), cwd=tmp_path, env=environment(), capture_output=True, text=True
-    )
-    assert done.returncode == 0, done.stderr
-    (run,) = runs_in(tmp_path)
-    assert "sim=auto: cpu (torch finds no CUDA GPU)" in done.stdout
-    assert load_run_config(run).sim.backend == "cpu"
-    assert len(metrics_of(run)) == 5
-    assert (run / "versions.json").is_file() and list((run / "checkpoints").glob("*.pt"))
-    assert (tmp_path / "outputs" / "latest").resolve() == run.resolve()
 
 
 def test_three_seeds_of_an_ablation_are_three_runs_in_one_group(tmp_path):
@@ -170,37 +158,73 @@ def test_a_truncated_checkpoint_names_the_last_good_one(few_clips, tmp_path, cap
     assert (run / "metrics.jsonl").read_bytes() == before
 
 
-def wait_for_checkpoint(folder: Path, process: subprocess.Popen, iteration: int) -> Path:
-    deadline = time.monotonic() + 120
-    while time.monotonic() < deadline and process.poll() is None:
+def wait_for_iteration(folder: Path, process: subprocess.Popen, iteration: int) -> Path:
+    """The only run below ``folder``, once it has a checkpoint of this iteration or a later one."""
+    while process.poll() is None:
         for run in runs_in(folder):
-            if list((run / "checkpoints").glob(f"checkpoint_{iteration:08d}.pt")):
+            if any(int(path.stem.rsplit("_", 1)[1]) >= iteration for path in list_checkpoints(run)):
                 return run
         time.sleep(0.02)
-    pytest.fail(f"no checkpoint of iteration {iteration}; exit code {process.poll()}")
+    pytest.fail(f"the run ended with exit code {process.returncode} before iteration {iteration}")
 
 
-MANY = 40  # iterations: more than pass until a poller has seen the third
-LONG = ["run=smoke", *TINY, QUIET, f"run.iterations={MANY}", "run.checkpoint_every=1", f"run.checkpoints_kept={MANY}"]
+ENDLESS = 1_000_000  # iterations: however late the test gets to see a checkpoint, there is still something to stop
+LONG = ["run=smoke", *TINY, QUIET, "run.checkpoint_every=1", "run.checkpoints_kept=3"]
+
+
+class Uninterrupted:
+    """Metrics of a run that nobody stops, for as many iterations as are asked for."""
+
+    def __init__(self, folder: Path, command: list[str]):
+        self._folder, self._command = folder, command
+        self.output = ""
+        self.run = folder
+
+    def rows(self, iterations: int) -> list[dict]:
+        """The first ``iterations`` rows; trains anew where the run was shorter."""
+        found = metrics_of(self.run) if self.output else []
+        if len(found) < iterations:
+            folder = self._folder / f"{iterations}"
+            folder.mkdir()
+            done = subprocess.run(
+                [*self._command, f"run.iterations={iterations}"],
+                cwd=folder,
+                env=environment(),
+                capture_output=True,
+                text=True,
+            )
+            assert done.returncode == 0, done.stderr
+            self.output = done.stdout
+            (self.run,) = runs_in(folder)
+            found = metrics_of(self.run)
+        return found[:iterations]
 
 
 @pytest.fixture(scope="module")
-def uninterrupted(tmp_path_factory) -> list[dict]:
-    """Metrics of the run that nobody stops."""
-    folder = tmp_path_factory.mktemp("uninterrupted")
-    subprocess.run(command(*LONG), cwd=folder, env=environment(), check=True, capture_output=True)
-    (run,) = runs_in(folder)
-    return metrics_of(run)
+def uninterrupted(tmp_path_factory) -> Uninterrupted:
+    reference = Uninterrupted(tmp_path_factory.mktemp("uninterrupted"), command(*LONG))
+    reference.rows(10)
+    return reference
+
+
+def test_smoke_run_from_any_folder(uninterrupted):
+    run = uninterrupted.run
+    assert "sim=auto: cpu (torch finds no CUDA GPU)" in uninterrupted.output
+    assert load_run_config(run).sim.backend == "cpu"
+    assert [row["iteration"] for row in metrics_of(run)] == list(range(1, 11))
+    assert (run / "versions.json").is_file()
+    assert [int(path.stem[-8:]) for path in list_checkpoints(run)[-3:]] == [8, 9, 10]
+    assert (run.parent / "latest").resolve() == run.resolve()
 
 
 @pytest.mark.parametrize("stop", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
 def test_a_stopped_run_continues_as_if_nothing_had_happened(stop, uninterrupted, tmp_path):
-    process = subprocess.Popen(command(*LONG), cwd=tmp_path, env=environment(), stdout=subprocess.DEVNULL)
-    run = wait_for_checkpoint(tmp_path, process, 3)
+    begun = command(*LONG, f"run.iterations={ENDLESS}")
+    process = subprocess.Popen(begun, cwd=tmp_path, env=environment(), stdout=subprocess.DEVNULL)
+    run = wait_for_iteration(tmp_path, process, 3)
     process.send_signal(stop)
-    assert process.wait(timeout=60) != 0
-    assert len(metrics_of(run)) < MANY, "stopped too late to tell anything"
-    resume = command(f"resume={run.relative_to(tmp_path)}")
+    assert process.wait() != 0
+    iterations = len(metrics_of(run)) + 3
+    resume = command(f"resume={run.relative_to(tmp_path)}", f"run.iterations={iterations}")
     subprocess.run(resume, cwd=tmp_path, env=environment(), check=True, capture_output=True)
-    assert len(uninterrupted) == MANY
-    assert metrics_of(run) == uninterrupted
+    assert metrics_of(run) == uninterrupted.rows(iterations)

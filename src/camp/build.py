@@ -25,10 +25,10 @@ from camp.config.resolve import load_run_config
 from camp.config.schema import Config
 from camp.envs.observations import entries_of, size
 from camp.envs.quadruped import QuadrupedEnv
-from camp.gaits.skills import label_of, names
+from camp.gaits.skills import names
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.sampler import Demonstrations, ReferenceStates
-from camp.motion.clips.store import load_clips
+from camp.motion.clips.store import load_skill_clips
 from camp.robots import go2
 from camp.robots.amp_state import AMP_STATE_SIZE
 from camp.runs.checkpoint import INCOMPATIBLE, incompatible
@@ -78,10 +78,9 @@ def motion_folder(config: Config) -> Path:
 
 
 def expert_clips(config: Config) -> list[Clip]:
-    """The clips that show one of the configured skills. Raises ClipError where a gait has none."""
-    skills = config.motion.skill_set()
-    clips = load_clips(motion_folder(config), config.motion.skills, with_mirrored=config.motion.mirrored)
-    return [clip for clip in clips if label_of(clip.gait, clip.frequency_hz, skills) is not None]
+    """The clips of the configured skills and stride frequencies. Raises ClipError where a skill has none."""
+    motion = config.motion
+    return load_skill_clips(motion_folder(config), motion.skill_set(), list(motion.frequencies_hz), motion.mirrored)
 
 
 def build_simulator(config: Config, num_envs: int | None = None) -> Simulator:

@@ -1,4 +1,4 @@
-"""The tensors that travel between environment, algorithm and demonstrations; every shape stands here, once.
+"""The batches that environment, algorithm and demonstrations exchange, with the shape of every tensor.
 
 Letters: N environments, T time steps, B batch, S AMP state (43), O observation (45 + K), X privileged
 observation, A actions (12), K skills. Units are SI unless a field says otherwise.

@@ -2,7 +2,7 @@
 
 python -m camp.dataset                       generate the shipped clips (those that are there are kept)
 python -m camp.dataset --only 'trot_*'       those of them whose name fits
-python -m camp.dataset validate [FOLDER]     check clips; exit code 1 if one is bad
+python -m camp.dataset validate [FOLDER]     check clips, --all shows every value; exit code 1 if one is bad
 python -m camp.dataset card [FOLDER]         write the folder's README.md from its clips; exit code 1 if one is bad
 python -m camp.dataset perturbed --folder F  clips with noisy targets and corrective labels, for imitation
 python -m camp.dataset import FILE ...       another project's motion becomes a clip: --format, --gait (docs/motions.md)
@@ -13,16 +13,20 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
+from typing import NoReturn
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn, track
 
-from camp.common.errors import CampError, ClipError
+from camp.cli.guard import guarded
+from camp.common.errors import ClipError, ConfigError
+from camp.common.files import folder_lock
 from camp.common.paths import assets_root
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.consistency import ClipCheck
@@ -30,33 +34,36 @@ from camp.motion.clips.store import load_clip
 from camp.motion.dataset.card import dataset_card, write_card
 from camp.motion.dataset.diagnose import find_cause
 from camp.motion.dataset.generate import generate_dataset
-from camp.motion.dataset.report import quality_table
+from camp.motion.dataset.report import failure_table, quality_tables, worst_table
 from camp.motion.dataset.requests import ClipRequest, perturbed_requests, shipped_requests
 from camp.motion.dataset.validate import check_clip
 from camp.motion.exchange.cli import COMMANDS as EXCHANGE
 from camp.motion.exchange.cli import add_exchange, run_exchange
 
-TABLE_WIDTH = 220  # characters, where the output is not a terminal
+MOST_CLIPS = 100_000  # of one seed: what tells the files' names apart
+MOST_WORKERS = 1024  # each takes a process and its memory
+TABLE_WIDTH = 80  # characters, where the output is not a terminal
+
+if __name__ == "__mp_main__":  # a process that generates: Ctrl-C is the parent's to deal with
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code: 0, 1 for bad clips, 2 for input that cannot be used."""
-    options = _parser().parse_args(arguments)
-    try:
-        if options.command == "validate":
-            return validate(options.folder)
-        if options.command == "card":
-            return card(options.folder)
-        if options.command in EXCHANGE:
-            return run_exchange(options)
-        if options.command == "perturbed":
-            requests = perturbed_requests(options.count, options.seed)
-            generate(requests, options)
-            return 0  # some perturbed robots fall: their clips are left out
-        return int(generate(_fitting(shipped_requests(), options.only), options) > 0)
-    except CampError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
+    return guarded(lambda: _run(_parser().parse_args(arguments)))
+
+
+def _run(options: argparse.Namespace) -> int:
+    if options.command == "validate":
+        return validate(options.folder, options.all)
+    if options.command == "card":
+        return card(options.folder)
+    if options.command in EXCHANGE:
+        return run_exchange(options)
+    if options.command == "perturbed":
+        generate(perturbed_requests(options.count, options.seed), options)
+        return 0  # some perturbed robots fall: their clips are left out
+    return int(generate(_fitting(shipped_requests(), options.only), options) > 0)
 
 
 def _fitting(requests: Sequence[ClipRequest], pattern: str) -> list[ClipRequest]:
@@ -68,10 +75,10 @@ def _fitting(requests: Sequence[ClipRequest], pattern: str) -> list[ClipRequest]
 
 
 def generate(requests: Sequence[ClipRequest], options: argparse.Namespace) -> int:
-    """Generate clips with a progress bar; returns how many failed."""
+    """Generate clips with a progress bar, after other processes that do so there; returns how many failed."""
     count = {"made": 0, "kept": 0, "failed": 0}
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns) as progress:
+    with folder_lock(options.folder), Progress(*columns) as progress:
         task = progress.add_task("expert clips", total=len(requests))
         for outcome in generate_dataset(requests, options.folder, options.workers, options.overwrite):
             count[outcome.status] += 1
@@ -92,18 +99,26 @@ class Judged:
     bad: int
 
 
-def validate(folder: Path) -> int:
-    """Print the quality of every clip in a folder; returns the exit code."""
+def validate(folder: Path, show_all: bool = False) -> int:
+    """Print what fails and the worst of each criterion, or every clip with `show_all`; returns the exit code."""
     judged = judge(folder)
     console = Console() if sys.stdout.isatty() else Console(width=TABLE_WIDTH)
-    console.print(quality_table(judged.results))
-    print(f"{folder}: {len(clip_paths(folder))} clips, {judged.bad} bad")
+    if any(not check.passed for checks in judged.results.values() for check in checks):
+        console.print(failure_table(judged.results))
+    if judged.results:
+        console.print(worst_table(judged.results))
+    for table in quality_tables(judged.results, console.width) if show_all else []:
+        console.print(table)
+    rest = "" if show_all else "; every clip's values: --all"
+    print(f"{folder}: {len(clip_paths(folder))} clips, {judged.bad} bad{rest}")
     return int(judged.bad > 0)
 
 
 def card(folder: Path) -> int:
-    """Write the folder's card; returns the exit code."""
+    """Write the folder's card; returns the exit code. Raises ClipError where no clip can be read."""
     judged = judge(folder)
+    if not judged.clips:
+        raise ClipError(f"no clip in {folder} can be read; see why with `python -m camp.dataset validate {folder}`")
     size = sum(path.stat().st_size for path in clip_paths(folder))
     print(write_card(folder, dataset_card(judged.clips, judged.results, size)))
     return int(judged.bad > 0)
@@ -112,7 +127,9 @@ def card(folder: Path) -> int:
 def judge(folder: Path) -> Judged:
     """Check every clip of a folder; what is wrong is printed, with its likely cause."""
     clips, results, bad = {}, {}, 0
-    for path in clip_paths(folder):
+    errors = Console(stderr=True)
+    paths = clip_paths(folder)
+    for path in track(paths, "judging clips", console=errors, transient=True, disable=not errors.is_terminal):
         try:
             clip = load_clip(path)
         except ClipError as error:
@@ -136,9 +153,27 @@ def clip_paths(folder: Path) -> list[Path]:
     return paths
 
 
+class _Parser(argparse.ArgumentParser):
+    """Tells errors as every command does, in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        raise ConfigError(f"command line: {message}; see {self.prog} --help")
+
+
+def _whole(lowest: int, largest: int) -> Callable[[str], int]:
+    """A reader of whole numbers within bounds."""
+
+    def read(text: str) -> int:
+        if not text.isascii() or not text.isdigit() or not lowest <= int(text[:20]) <= largest:
+            raise argparse.ArgumentTypeError(f"{text[:20]!r}: pass a whole number from {lowest} to {largest}")
+        return int(text)
+
+    return read
+
+
 def _parser() -> argparse.ArgumentParser:
     shipped = assets_root() / "motions" / "go2"
-    parser = argparse.ArgumentParser(prog="python -m camp.dataset", description="Expert motions.")
+    parser: argparse.ArgumentParser = _Parser(prog="python -m camp.dataset", description="Expert motions.")
     parser.set_defaults(command="generate")
     parser.add_argument(
         "--only", metavar="PATTERN", default="*", help="the clips whose name fits, such as 'trot_2hz_*'"
@@ -147,13 +182,16 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers()
     check = commands.add_parser("validate", help="check the clips of a folder")
     check.add_argument("folder", type=Path, nargs="?", default=shipped)
+    check.add_argument("--all", action="store_true", help="also every clip with every criterion")
     check.set_defaults(command="validate")
     describe = commands.add_parser("card", help="write the data set's README.md from its clips")
     describe.add_argument("folder", type=Path, nargs="?", default=shipped)
     describe.set_defaults(command="card")
     perturbed = commands.add_parser("perturbed", help="generate clips with noisy targets and corrective labels")
-    perturbed.add_argument("--count", type=int, default=150, help="number of clips to try (some robots fall)")
-    perturbed.add_argument("--seed", type=int, default=0, help="of commands and noise")
+    perturbed.add_argument(
+        "--count", type=_whole(1, MOST_CLIPS), default=150, help="number of clips to try (some robots fall)"
+    )
+    perturbed.add_argument("--seed", type=_whole(0, MOST_CLIPS), default=0, help="seed of commands and noise")
     _add_generation(perturbed, Path("outputs/motions/perturbed"))
     perturbed.set_defaults(command="perturbed")
     add_exchange(commands)
@@ -161,9 +199,11 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _add_generation(parser: argparse.ArgumentParser, folder: Path) -> None:
-    parser.add_argument("--folder", type=Path, default=folder, help="where the clips go (default: %(default)s)")
-    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes")
-    parser.add_argument("--overwrite", action="store_true", help="generate also what is there already")
+    parser.add_argument("--folder", type=Path, default=folder, help="output folder (default: %(default)s)")
+    parser.add_argument(
+        "--workers", type=_whole(1, MOST_WORKERS), default=os.cpu_count() or 1, help="number of processes"
+    )
+    parser.add_argument("--overwrite", action="store_true", help="also generate clips that exist already")
 
 
 if __name__ == "__main__":

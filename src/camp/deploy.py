@@ -231,7 +231,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         default=(0.6, 0.0, 0.0),
         help="m/s forward, m/s to the left, rad/s to the left (default: 0.6 0 0)",
     )
-    parser.add_argument("--seconds", type=float, default=10.0, help="at least 4 (default: %(default)s)")
+    parser.add_argument("--seconds", type=float, default=10.0, help="duration in s, at least 4 (default: %(default)s)")
     try:
         options = parser.parse_args(arguments)
         if not 2 * SETTLING_S <= options.seconds < math.inf:

@@ -1,4 +1,4 @@
-"""One robot behind Gymnasium's plain interface: ``gymnasium.make("camp/Go2-v0")``."""
+"""One robot with Gymnasium's single-environment interface: ``gymnasium.make("camp/Go2-v0")``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The same updates by one process on all the data and by two ranks on a half each, for tests/test_distributed.py."""
+"""The same updates by one process on all the data and by two ranks on half each: tests/common/test_distributed.py."""
 
 from __future__ import annotations
 

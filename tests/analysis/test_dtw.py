@@ -13,7 +13,7 @@ from analysis.load import AnalysisError, ClipFeatures
 from analysis.style import save
 from tests.analysis.synthetic import PERIOD, clip_features
 
-pytestmark = pytest.mark.slow  # the first call compiles tslearn's DTW, some ten seconds
+pytestmark = [pytest.mark.slow, pytest.mark.dtw]
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +27,7 @@ def test_identical_clips_are_at_distance_zero_and_the_matrix_is_symmetric(distan
 
 
 def test_one_gait_at_two_frequencies_is_nearer_than_two_gaits(distances):
-    assert distances.labels[:3] == ["trot_2Hz", "trot_4Hz", "pace_2Hz"]
+    assert distances.labels[:3] == ["trot_2hz", "trot_4hz", "pace_2hz"]
     same = distances.distance[0, 1]
     assert same < 0.5 * distances.distance[0, 2:].min()
 
@@ -69,7 +69,7 @@ def test_no_clips_is_named_with_its_remedy():
 
 
 def test_figure_is_written_with_every_value(tmp_path):
-    figure = draw_distances(LatentDistances(["trot_2Hz", "pace_2Hz"], np.array([[0.0, np.nan], [np.nan, 3.24]])))
+    figure = draw_distances(LatentDistances(["trot_2hz", "pace_2hz"], np.array([[0.0, np.nan], [np.nan, 3.24]])))
     assert isinstance(figure, Figure)
     assert [text.get_text() for text in figure.axes[0].texts] == ["0", "-", "-", "3.24"]
     assert save(figure, tmp_path / "dtw.png").stat().st_size > 10_000

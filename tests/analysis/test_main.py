@@ -29,7 +29,8 @@ def folder(tmp_path, monkeypatch):
     return write_metrics(write_evaluation(tmp_path / "outputs" / "one"), metrics(10))
 
 
-@pytest.mark.slow  # compiles tslearn's DTW
+@pytest.mark.slow
+@pytest.mark.dtw
 def test_draws_four_figures_and_prints_their_paths(folder, capsys):
     assert command.main([f"run={folder}"]) == 0
     printed = capsys.readouterr().out.split()

@@ -15,6 +15,6 @@ def test_settings_outside_are_untouched():
 
 
 def test_a_gait_keeps_its_colour_at_every_frequency_and_other_skills_get_their_own():
-    colours = skill_colours(["trot", "trot_2Hz", "gallop", "walk"])
-    assert colours["trot"] == colours["trot_2Hz"] == GAIT_COLOURS["trot"]
+    colours = skill_colours(["trot", "trot_2hz", "gallop", "walk"])
+    assert colours["trot"] == colours["trot_2hz"] == GAIT_COLOURS["trot"]
     assert len({*GAIT_COLOURS.values(), colours["gallop"], colours["walk"]}) == len(GAIT_COLOURS) + 2

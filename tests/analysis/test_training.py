@@ -64,10 +64,10 @@ def test_a_condensed_curve_tells_the_same():
 
 def test_skills_are_told_apart_by_colour_and_dashes():
     gait = panels(metrics(20))["gait"]
-    assert labels(gait) == ["trot 2 Hz", "trot 3 Hz", "pace 2 Hz", "pace 3 Hz"]
+    assert labels(gait) == ["trot_2hz", "trot_3hz", "pace_2hz", "pace_3hz"]
     shown = {str(line.get_label()): line for line in gait.get_lines()}
     for gait_name in ("trot", "pace"):
-        slow, fast = shown[f"{gait_name} 2 Hz"], shown[f"{gait_name} 3 Hz"]
+        slow, fast = shown[f"{gait_name}_2hz"], shown[f"{gait_name}_3hz"]
         assert slow.get_color() == fast.get_color() == GAIT_COLOURS[gait_name]
         assert (slow.get_linestyle(), fast.get_linestyle()) == ("--", "-")
     assert all(line.get_linestyle() == "-" for line in panels(metrics(20, ("trot", "pace")))["gait"].get_lines())

@@ -11,7 +11,7 @@ from camp.motion.clips.clip import amp_state
 from camp.motion.clips.mirror import mirrored
 from tests.evaluation.synthetic import GAITS, SKILLS, recording
 
-pytestmark = pytest.mark.slow  # the first call compiles tslearn's DTW, some ten seconds
+pytestmark = [pytest.mark.slow, pytest.mark.dtw]
 
 
 @pytest.fixture

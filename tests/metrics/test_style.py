@@ -20,7 +20,8 @@ def test_window_begins_at_the_first_touchdown_of_the_first_foot():
     assert len(stride_window(state, contact, 20)) == 10
 
 
-@pytest.mark.slow  # the first call compiles tslearn's DTW, some ten seconds
+@pytest.mark.slow
+@pytest.mark.dtw
 def test_distance_by_hand():
     first = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
     assert dtw_distance(first, first, ONE) == 0.0

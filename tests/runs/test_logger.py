@@ -64,6 +64,18 @@ def test_every_line_is_on_disk_at_once_and_strict_json(tmp_path):
     record.finish()  # a `finally` after the `with` does no harm
 
 
+def test_a_full_disk_is_one_line_and_leaves_whole_lines(tmp_path):
+    with RunLogger(identity(tmp_path / "my run"), DISABLED, CONFIG) as record:
+        record.log(1, {"a": 1.0})
+        usable, record._file = record._file, open("/dev/full", "ab", buffering=0)  # noqa: SIM115
+        with pytest.raises(ConfigError, match=r"No space left on device; free some space, then continue with") as full:
+            record.log(2, {"a": 2.0})
+        record._file.close()
+        record._file = usable
+    assert str(full.value).endswith(f"python -m camp.train 'resume={tmp_path / 'my run'}'")
+    assert read_metrics(tmp_path / "my run" / "metrics.jsonl") == [{"iteration": 1, "a": 1.0}]
+
+
 def test_resume_cuts_what_the_checkpoint_does_not_know(tmp_path):
     log_until(tmp_path, 5)
     uninterrupted = (tmp_path / "metrics.jsonl").read_text()

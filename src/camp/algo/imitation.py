@@ -1,4 +1,4 @@
-"""Supervised regression of the actor on the expert's answers: before PPO, and beside it."""
+"""Behaviour cloning: regression of the actor on the expert's targets, before PPO and as an auxiliary loss."""
 
 from __future__ import annotations
 

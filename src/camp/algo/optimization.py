@@ -1,4 +1,4 @@
-"""The one way to a gradient: averaged over all ranks before anything is made of it."""
+"""Gradients, averaged over all ranks."""
 
 from __future__ import annotations
 

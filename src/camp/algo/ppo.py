@@ -1,4 +1,4 @@
-"""Proximal policy optimization with an asymmetric critic and a KL-adaptive policy rate."""
+"""Proximal policy optimization with an asymmetric critic and a KL-adaptive learning rate of the policy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the training loop asks of a motion prior, and what both priors share."""
+"""The interface of motion priors to the training loop, and what both priors share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Memory of past policy transitions, so that a discriminator does not forget what it has already rejected."""
+"""Replay buffer of past policy transitions, which keeps a discriminator from forgetting earlier behaviours."""
 
 from __future__ import annotations
 

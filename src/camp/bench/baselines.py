@@ -1,4 +1,4 @@
-"""What the benchmark compares: the bare simulator, our environment and, on the CPU, Gymnasium's vector environments."""
+"""The programs that the benchmark compares: the simulator alone, camp's and Gymnasium's vector environments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the benchmark measures; it prints ratios, since absolute speeds depend on the machine."""
+"""The measurements of the benchmark. It prints ratios, since absolute speeds depend on the machine."""
 
 from __future__ import annotations
 

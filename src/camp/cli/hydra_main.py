@@ -16,6 +16,7 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
 from omegaconf import DictConfig
 
+from camp.cli.places import quoted_place
 from camp.common import distributed
 from camp.common.errors import ConfigError, LauncherError
 from camp.common.paths import config_root
@@ -132,7 +133,8 @@ def _overrides_first(argv: Sequence[str]) -> list[str]:
     for name in _FLAGS_WITH_VALUE:
         if options and options[-1] == name:
             raise ConfigError(f"option {name}: has no value; write {name} <value>, see --hydra-help")
-    return renamed_overrides(overrides) + options
+    sweep = bool({"-m", "--multirun"} & set(options))
+    return [quoted_place(override, sweep) for override in renamed_overrides(overrides)] + options
 
 
 def _check_options(arguments: Sequence[str]) -> None:

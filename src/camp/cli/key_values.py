@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 import difflib
-import sys
 from collections.abc import Callable, Sequence
 
-from camp.cli.hydra_main import EXIT_INPUT
+from camp.cli.guard import guarded
 from camp.common.errors import ConfigError
-from camp.config.hydra_errors import INPUT_ERRORS, describe
 
 
 def run_command(task: Callable[[Sequence[str]], None], arguments: Sequence[str], usage: str | None) -> int:
     """Run ``task`` on the arguments, or print ``usage`` for --help; returns the exit code.
 
-    An error of the input is one line on stderr.
+    How it ends: `guarded`.
     """
     if {"-h", "--help"} & set(arguments):
         print(usage)
         return 0
-    try:
+
+    def run() -> int:
         task(arguments)
-    except INPUT_ERRORS as error:
-        print(f"error: {describe(error)}", file=sys.stderr)
-        return EXIT_INPUT
-    return 0
+        return 0
+
+    return guarded(run)
 
 
 def key_values(arguments: Sequence[str], required: Sequence[str], optional: Sequence[str] = ()) -> dict[str, str]:

@@ -27,6 +27,13 @@ def seed(key: str, value: int) -> None:
     require(0 <= value < 2**64, key, value, "choose a whole number from 0 to 2^64 - 1")
 
 
+def place(key: str, value: str | None) -> None:
+    """A file or a folder, or None for the default one."""
+    require(
+        value is None or bool(value.strip()), key, value, "name a place, or leave it out (an unset shell variable?)"
+    )
+
+
 def finite(key: str, value: float) -> None:
     require(math.isfinite(value), key, value, "choose a finite number")
 

@@ -1,10 +1,11 @@
-"""Files that are written whole or not at all."""
+"""Atomic writing of files: complete or not at all."""
 
 from __future__ import annotations
 
+import contextlib
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
@@ -15,9 +16,10 @@ PARTIAL = ".partial"  # how the name of a file ends that is still being written
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[BinaryIO]:
+def whole_file(path: Path, check: Callable[[Path], object] | None = None) -> Iterator[BinaryIO]:
     """A file to write to, which takes its name, and the place of what is there, once all of it is on the disk.
 
+    check: reads the finished file back before it takes its name; where it raises, what is there stays.
     Makes the folder. A process killed on the way leaves a ``*.partial`` behind. Raises OSError.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -27,16 +29,18 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
             yield file
             file.flush()
             os.fsync(file.fileno())
+        if check is not None:
+            check(partial)
         partial.replace(path)
         _sync_folder(path.parent)
     finally:
         partial.unlink(missing_ok=True)
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write a text file whole. Raises ConfigError where the folder cannot be written."""
+def write_text(path: Path, text: str, check: Callable[[Path], object] | None = None) -> None:
+    """Write a text file whole; `check` as in `whole_file`. Raises ConfigError where the folder cannot be written."""
     try:
-        with whole_file(path) as file:
+        with whole_file(path, check) as file:
             file.write(text.encode())
     except OSError as error:
         raise ConfigError(f"file {path}: {error.strerror or error}; choose a folder that can be written") from error
@@ -52,6 +56,33 @@ def make_folder(path: Path) -> Path:
         raise ConfigError(
             f"output folder {path}: {error.strerror or error}; make it a folder that can be written"
         ) from error
+
+
+@contextmanager
+def folder_lock(folder: Path, wait: bool = True) -> Iterator[None]:
+    """Let other processes that come here wait, where the system has file locks; makes the folder.
+
+    The lock is the folder's own: nothing is written, and it ends with the process. Says once that it waits. Raises
+    ConfigError where the folder cannot be made, or, without `wait`, where another process has it.
+    """
+    make_folder(folder)
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        with contextlib.suppress(ImportError, OSError):
+            import fcntl
+
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError as error:
+                if not wait:
+                    raise ConfigError(
+                        f"folder {folder}: another process is writing to it; wait for it, or stop it"
+                    ) from error
+                print(f"waiting for another process that writes to {folder}", flush=True)
+                fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
 
 
 def _sync_folder(folder: Path) -> None:

@@ -1,4 +1,4 @@
-"""How many threads this process may use, so that torch, the simulator and processes beside this one do not fight."""
+"""The number of threads of this process, so that torch, the simulator and other processes do not compete."""
 
 from __future__ import annotations
 

@@ -22,8 +22,8 @@ from omegaconf.errors import (
 from camp.common.errors import CampError
 from camp.common.paths import ablation_root
 
-#: The errors that are the input's fault; every other exception is a bug and keeps its traceback.
-INPUT_ERRORS = (CampError, HydraException, OmegaConfBaseException)
+#: The errors that are the input's or the machine's fault; every other exception is a bug and keeps its traceback.
+INPUT_ERRORS = (CampError, HydraException, OmegaConfBaseException, OSError)
 
 #: What conf/hydra/launcher builds on, and where it comes from.
 LAUNCHER_PACKAGES = {
@@ -57,6 +57,9 @@ def _describe(error: BaseException) -> str:
         )
     if isinstance(error, OmegaConfBaseException):
         return _omegaconf(error)
+    if isinstance(error, OSError) and not isinstance(error, HydraException):
+        place = f"{error.filename}: " if error.filename is not None else ""
+        return f"{place}{error.strerror or error}; check the path, its rights and the space on the disk"
     return _composition(error)
 
 

@@ -1,4 +1,4 @@
-"""Keys that had another name once: old command lines and run folders keep working."""
+"""Renamed configuration keys: old command lines and run folders keep working."""
 
 from __future__ import annotations
 

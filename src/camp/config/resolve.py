@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 from omegaconf import DictConfig, OmegaConf
 from yaml import YAMLError
@@ -39,12 +39,15 @@ def as_yaml(config: Config) -> DictConfig:
 def load_run_config(run: Path, changes: Sequence[str] = ()) -> Config:
     """The configuration a run folder was trained with, with ``changes`` like ``run.iterations=300``.
 
-    Raises ConfigError where there is none, or one that cannot be used; for ``changes`` as `resolve`.
+    A folder, which may be someone else's, never chooses to go online: that takes ``logger.wandb_mode=online`` among the
+    changes. Raises ConfigError where there is none, or one that cannot be used; for ``changes`` as `resolve`.
     """
     path = run / CONFIG
     if not path.is_file():
         raise ConfigError(f"run folder {run}: holds no {CONFIG}; name one of the folders that camp.train wrote")
     saved = _load_yaml(path)
+    if OmegaConf.select(saved, "logger.wandb_mode", throw_on_resolution_failure=False) == "online":
+        saved.logger.wandb_mode = "offline"
     try:
         config = resolve(saved)
     except (*INPUT_ERRORS, TypeError) as error:  # OmegaConf lets a list pass for a number of a list
@@ -60,12 +63,25 @@ def load_run_config(run: Path, changes: Sequence[str] = ()) -> Config:
 def _load_yaml(path: Path) -> DictConfig:
     try:
         loaded = OmegaConf.load(path)
-    except (OSError, ValueError, YAMLError, *INPUT_ERRORS) as error:
+    except (ValueError, RecursionError, YAMLError, *INPUT_ERRORS) as error:
         reason = " ".join(str(error).split())
         raise ConfigError(f"file {path}: cannot be read as YAML ({reason}); restore the original file") from error
     if not isinstance(loaded, DictConfig):
         raise ConfigError(f"file {path}: a list, not a configuration; restore the original file")
+    _refuse_interpolations(path, OmegaConf.to_container(loaded, resolve=False))
     return with_new_names(loaded)
+
+
+def _refuse_interpolations(path: Path, value: Any, key: str = "") -> None:
+    """A file of others must not read this machine's environment: a saved configuration is resolved, all of it."""
+    if isinstance(value, dict):
+        for name, part in value.items():
+            _refuse_interpolations(path, part, f"{key}.{name}" if key else str(name))
+    elif isinstance(value, list):
+        for index, part in enumerate(value):
+            _refuse_interpolations(path, part, f"{key}[{index}]")
+    elif isinstance(value, str) and "${" in value:
+        raise ConfigError(f"file {path}: {key} = {value!r} is an interpolation; write the value itself")
 
 
 def without_hydra(config: DictConfig) -> DictConfig:

@@ -14,6 +14,8 @@ from camp.common import checks
 from camp.envs.config import EnvConfig
 from camp.envs.observations import check_names
 from camp.envs.rewards import check_terms
+from camp.gaits.gait import GAITS
+from camp.gaits.skills import FREQUENCY_TOLERANCE
 from camp.motion.config import MotionConfig
 from camp.robots import go2
 from camp.robots.config import RobotConfig
@@ -66,6 +68,8 @@ class Config:
         """Raise ConfigError for the first value that cannot work, alone or beside another."""
         checks.seed("seed", self.seed)
         allowed = "letters, digits, '.', '_' and '-'"
+        for key in ("output_dir", "resume"):
+            checks.place(key, getattr(self, key))
         clean = bool(self.variant) and all(c.isalnum() or c in "._-" for c in self.variant)
         checks.require(clean, "variant", self.variant, f"name it with {allowed}")
         for part in (self.env, self.sim, self.robot, self.motion, self.algo, self.run, self.logger):
@@ -92,6 +96,16 @@ class Config:
             "robot.kp",
             list(self.robot.kp),
             "the expert's targets are made for the gains of robot=go2; use those, or run=scratch",
+        )
+        frequencies = list(self.motion.frequencies_hz)
+        imitates = self.algo.imitation.epochs > 0 or self.algo.imitation.ppo_weight > 0.0
+        walked = sorted(set.intersection(*(set(GAITS[gait].duty) for gait in self.motion.skills)))
+        checks.require(
+            not imitates or set(frequencies) <= set(walked),
+            "motion.frequencies_hz",
+            frequencies,
+            f"the expert that is imitated walks at {', '.join(f'{hz:g}' for hz in walked)} Hz; choose from these "
+            f"(clips within {FREQUENCY_TOLERANCE:.0%} are taken), or run=scratch",
         )
         samples = self.run.rollout_steps * self.sim.num_envs
         checks.require(

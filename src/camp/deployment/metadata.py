@@ -1,4 +1,4 @@
-"""What an exported policy tells of itself (docs/deployment.md), read and checked before anything moves."""
+"""The metadata of an exported policy (docs/deployment.md): reading and checks."""
 
 from __future__ import annotations
 

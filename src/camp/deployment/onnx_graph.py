@@ -1,4 +1,4 @@
-"""A policy as an ONNX graph: raw observation in, joint targets out, everything in between inside.
+"""A policy as an ONNX graph from raw observation to joint targets, normalization included.
 
 The graph is written node by node. A tracing exporter would give the same dozen nodes, but with source paths in their
 metadata, seconds of start-up and one more package.

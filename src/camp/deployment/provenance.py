@@ -1,4 +1,4 @@
-"""How a shipped policy came about: command, seed, steps, time, versions and a learning curve of bounded size."""
+"""The origin of a shipped policy: command, seed, steps, time, versions and a learning curve of bounded size."""
 
 from __future__ import annotations
 

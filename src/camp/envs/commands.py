@@ -1,4 +1,4 @@
-"""Velocity commands and skills, drawn anew on a clock."""
+"""Velocity commands and skills, resampled periodically."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is derived from the robots' state once per step and read by observations, rewards and terminations."""
+"""Quantities derived from the robots' state once per step, for observations, rewards and terminations."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where, as what and with which orders robots begin an episode."""
+"""The start of an episode: state, physical parameters, command and skill of each robot."""
 
 from __future__ import annotations
 

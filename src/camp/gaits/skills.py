@@ -1,4 +1,4 @@
-"""Skills: what a policy is asked to show. Each is the motion of some of the clips."""
+"""Skills: the labels that condition the policy. Each is the motion of some of the clips."""
 
 from __future__ import annotations
 
@@ -11,13 +11,16 @@ from numpy.typing import NDArray
 
 LABELS = ("gait", "gait_frequency")
 NO_SKILL = "none"
-# Share by which a stride frequency may miss the skill's: 2, 3 and 4 Hz stay apart.
+# Fraction by which a stride frequency, of a clip or of what a policy shows, may miss the one asked for: 2, 3 and 4 Hz
+# stay apart. Frequencies are measured or went through float32, so they are never compared for equality.
 FREQUENCY_TOLERANCE = 0.15
+# Strides take 10 s at most, and at 50 Hz four rows at least.
+FREQUENCY_RANGE_HZ = (0.1, 12.5)
 
 
 @dataclass(frozen=True)
 class Skill:
-    """A gait at any of the clips' stride frequencies, or at one; its label is its place in the list of skills."""
+    """A gait at any stride frequency, or at one; its label is its place in the list of skills."""
 
     gait: str
     frequency_hz: float | None = None
@@ -28,8 +31,13 @@ class Skill:
         return self.gait if self.frequency_hz is None else f"{self.gait}_{self.frequency_hz:g}hz"
 
     def includes(self, gait: str, frequency_hz: float) -> bool:
-        """Whether motion of this gait, meant to have this stride frequency, belongs to the skill."""
-        return gait == self.gait and self.frequency_hz in (None, frequency_hz)
+        """Whether motion of this gait and stride frequency belongs to the skill, within FREQUENCY_TOLERANCE."""
+        return gait == self.gait and (self.frequency_hz is None or is_near(frequency_hz, self.frequency_hz))
+
+
+def is_near(frequency_hz: float, wanted_hz: float) -> bool:
+    """Whether a stride frequency is the wanted one within FREQUENCY_TOLERANCE."""
+    return abs(frequency_hz / wanted_hz - 1.0) <= FREQUENCY_TOLERANCE
 
 
 def skill_set(gaits: Sequence[str], labels: str, frequencies_hz: Sequence[float]) -> tuple[Skill, ...]:
@@ -46,8 +54,9 @@ def names(skills: Sequence[Skill]) -> tuple[str, ...]:
 
 
 def label_of(gait: str, frequency_hz: float, skills: Sequence[Skill]) -> int | None:
-    """The label that motion of a gait and stride frequency has; None where it is no skill's."""
-    return next((label for label, skill in enumerate(skills) if skill.includes(gait, frequency_hz)), None)
+    """The label that motion of a gait and stride frequency has, the nearest skill's; None where it is no skill's."""
+    error = _errors(np.array([gait]), np.array([frequency_hz]), skills)[:, 0]
+    return int(error.argmin()) if np.isfinite(error).any() else None
 
 
 def split_name(name: str) -> tuple[str, float | None]:
@@ -58,10 +67,20 @@ def split_name(name: str) -> tuple[str, float | None]:
 
 def performed(gait: NDArray[np.str_], frequency_hz: NDArray[np.floating], skills: Sequence[Skill]) -> NDArray[np.str_]:
     """Names (N,) of the skills that measured gaits (N,) and stride frequencies (N,) in Hz show; "none" for others."""
-    shown = np.full(len(gait), NO_SKILL, dtype=object)
-    for skill in skills:
-        right = gait == skill.gait
-        if skill.frequency_hz is not None:
-            right &= np.abs(frequency_hz / skill.frequency_hz - 1.0) <= FREQUENCY_TOLERANCE
-        shown[right] = skill.name
+    error = _errors(gait, frequency_hz, skills)
+    shown = np.array(names(skills), dtype=object)[error.argmin(axis=0)]
+    shown[np.isinf(error).all(axis=0)] = NO_SKILL
     return shown.astype(str)
+
+
+def _errors(
+    gait: NDArray[np.str_], frequency_hz: NDArray[np.floating], skills: Sequence[Skill]
+) -> NDArray[np.floating]:
+    """By which fraction motions (N,) miss each skill's frequency, (K, N); inf for another gait or beyond the
+    tolerance, 0 for skills of any frequency."""
+    error = np.full((len(skills), len(gait)), np.inf)
+    for row, skill in zip(error, skills, strict=True):
+        miss = np.zeros(len(gait)) if skill.frequency_hz is None else np.abs(frequency_hz / skill.frequency_hz - 1.0)
+        fits = (gait == skill.gait) & (miss <= FREQUENCY_TOLERANCE)
+        row[fits] = miss[fits]
+    return error

@@ -1,4 +1,4 @@
-"""Checkpoints: written whole or not at all, read without executing what they contain.
+"""Checkpoints: written atomically, read without executing code.
 
 A run folder keeps `checkpoints/checkpoint_00000123.pt`, one file per saved iteration; the latest is the one
 with the highest number. A process killed at any moment leaves every finished checkpoint readable.

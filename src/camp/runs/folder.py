@@ -1,8 +1,9 @@
-"""The run folder: the name of every file in it, and where new ones are made."""
+"""The run folder: the names of its files, and the creation of new run folders."""
 
 from __future__ import annotations
 
 import contextlib
+import tempfile
 from datetime import datetime
 from pathlib import Path
 
@@ -35,6 +36,22 @@ def resumed_at(run: Path) -> list[int]:
     """The iterations after which a run was continued, in order."""
     stem = Path(VERSIONS).stem
     return [int(found.stem.removeprefix(f"{stem}-")) for found in sorted(run.glob(f"{stem}-*.json"))]
+
+
+def check_root(root: Path) -> None:
+    """Raise ConfigError where `new_run_folder` could not make a run folder; leaves nothing behind.
+
+    Long work comes before the folder is made, and must not be lost by its place.
+    """
+    existing = next(place for place in (root, *root.absolute().parents) if place.exists())
+    try:
+        with tempfile.TemporaryFile(dir=existing):
+            pass
+    except OSError as error:
+        raise ConfigError(f"output folder {root}: {error.strerror or error}; choose one that can be written") from error
+    latest = root / LATEST
+    if latest.exists() and not latest.is_symlink():
+        raise ConfigError(f"output folder {root}: its {LATEST} is no link but a file or folder; move that away")
 
 
 def new_run_folder(root: Path, name: str) -> Path:

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import json
+import os
 from collections.abc import Callable, Mapping
 
 from omegaconf import DictConfig, OmegaConf
 
+from camp.common.commands import command
+from camp.common.errors import ConfigError
 from camp.common.files import write_text
 from camp.runs.config import LoggerConfig
 from camp.runs.folder import CONFIG, METRICS, VERSIONS, versions_after
@@ -49,13 +54,27 @@ class RunLogger:
         if logger.wandb_mode != "disabled":
             self._wandb = start_wandb(identity, logger, config)
             announce(how_to_look(self.folder, logger.wandb_mode))
-        self._file = metrics_path.open("a", encoding="utf-8")
+        # Without a buffer, so that closing after a failed write has nothing left to write.
+        self._file = metrics_path.open("ab", buffering=0)
 
     def log(self, iteration: int, metrics: Mapping[str, Metric]) -> None:
-        """Append one line for `iteration`; keys are paths such as reward/style/raw."""
-        # One write and one flush: a process killed at any moment leaves whole lines, but for the last one.
-        self._file.write(metrics_line(iteration, metrics))
-        self._file.flush()
+        """Append one line for `iteration`; keys are paths such as reward/style/raw.
+
+        Raises ConfigError where it cannot be written; the lines before stay whole.
+        """
+        path, whole = self.folder / METRICS, self._file.tell()
+        line = metrics_line(iteration, metrics).encode()
+        try:
+            written = self._file.write(line)
+            if written != len(line):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        except OSError as error:
+            with contextlib.suppress(OSError):
+                self._file.truncate(whole)
+            raise ConfigError(
+                f"metrics {path}: {error.strerror or error}; free some space, then continue with "
+                f"{command('camp.train', resume=self.folder)}"
+            ) from error
         if self._wandb is not None:
             self._wandb.log({key: for_wandb(value) for key, value in metrics.items()}, step=iteration)
 

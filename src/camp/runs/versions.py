@@ -1,4 +1,4 @@
-"""What a result depends on besides its configuration: code, packages, machine, command line."""
+"""The versions that a result depends on: code, packages, machine, command line."""
 
 from __future__ import annotations
 

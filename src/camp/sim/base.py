@@ -1,4 +1,4 @@
-"""What a simulator offers the environment, whatever it runs on."""
+"""The interface of simulators to the environment."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which simulator can run here."""
+"""The choice of a simulator that can run on this machine."""
 
 from __future__ import annotations
 

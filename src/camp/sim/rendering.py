@@ -44,6 +44,9 @@ class RobotRenderer:
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_comPos(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
+        # Every light's axis goes through the robot: only near it shadows are computed, beyond the ground is dark.
+        axis = self._data.light_xdir
+        self._data.light_xpos[:, :2] = qpos[:2] + self._data.light_xpos[:, 2:] * axis[:, :2] / axis[:, 2:]
         self._renderer.update_scene(self._data, camera="track", scene_option=self._option)
         return self._renderer.render()
 

@@ -1,4 +1,4 @@
-"""Conditions under which training no longer learns, and what helps against each."""
+"""Alarms: conditions under which training no longer makes progress, each with its remedy."""
 
 from __future__ import annotations
 

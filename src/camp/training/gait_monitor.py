@@ -1,4 +1,4 @@
-"""Which gait does each robot show while training? Read from foot contacts, never from a discriminator."""
+"""Gait accuracy during training, measured from foot contacts, never by a discriminator."""
 
 from __future__ import annotations
 

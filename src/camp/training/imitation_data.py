@@ -1,4 +1,4 @@
-"""(Observation, action) pairs from expert clips, laid out as the environment's own observation."""
+"""Pairs (observation, action) from expert clips, in the layout of the environment's observation."""
 
 from __future__ import annotations
 

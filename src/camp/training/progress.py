@@ -1,4 +1,4 @@
-"""Live progress of training: a table that renews itself on a terminal, plain lines elsewhere."""
+"""Live progress of training: an updating table on a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 

@@ -1,11 +1,10 @@
-"""Imitation of the expert on clips that show it recovering: before CAMP begins, and beside it."""
+"""Imitation of the expert on perturbed clips, before PPO and as its auxiliary loss."""
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from camp.algo.imitation import ImitationLoss, imitate
 from camp.build import Training
 from camp.common import distributed
 from camp.common.errors import ClipError
+from camp.common.files import folder_lock
 from camp.common.seeding import generator
 from camp.config.schema import Config
 from camp.gaits import schedule
@@ -73,11 +73,9 @@ def perturbed_clips(config: Config) -> list[Clip]:
     wanted = config.motion
     cells = [(gait, frequency) for gait in wanted.skills for frequency in wanted.frequencies_hz]
     requests = perturbed_requests(wanted.perturbed_clips, PERTURBED_SEED, cells)
-    folder = Path(
-        wanted.perturbed_folder or Path(config.output_dir) / "motions" / f"perturbed-{_expert_version(wanted.skills)}"
-    )
-    folder.mkdir(parents=True, exist_ok=True)
-    with _one_at_a_time(folder):  # jobs of a sweep want the same clips
+    shared = Path(config.output_dir) / "motions" / f"perturbed-{_expert_version(wanted.skills)}"
+    folder = Path(wanted.perturbed_folder or shared)
+    with folder_lock(folder):  # jobs of a sweep want the same clips
         _generate_missing(requests, folder)
     made = [path for path in (folder / f"{request.name}.npz" for request in requests) if path.is_file()]
     # A few noisy clips end in a fall and are not kept; many would mean that something is wrong.
@@ -115,17 +113,6 @@ def _under_way(clip: Clip) -> Clip:
     first = round(START_S / clip.dt)
     arrays = {name: value for name, value in vars(clip).items() if isinstance(value, np.ndarray)}
     return replace(clip, **{name: rows[first:] for name, rows in arrays.items() if len(rows) == len(clip)})
-
-
-@contextlib.contextmanager
-def _one_at_a_time(folder: Path) -> Iterator[None]:
-    """Let other processes that come here wait, where the system has file locks."""
-    with (folder / ".lock").open("w") as lock:
-        with contextlib.suppress(ImportError, OSError):
-            import fcntl
-
-            fcntl.flock(lock, fcntl.LOCK_EX)
-        yield
 
 
 def _expert_version(gaits: Sequence[str]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 from dataclasses import replace
 from pathlib import Path
 
@@ -128,7 +129,11 @@ def bad(value: float, *shape: int) -> np.ndarray:
         ({"joint_names": np.array(JOINT_NAMES[::-1])}, "'joint_names' is ['RR_calf_joint'"),
         ({"foot_names": np.array(["FR", "FL", "RR", "RL"])}, "expected ['FL', 'FR', 'RL', 'RR']"),
         ({"gait": np.array("gallop")}, "'gait' is 'gallop'"),
-        ({"frequency_hz": bad(0.0)}, "'frequency_hz' is 0.0"),
+        ({"frequency_hz": bad(0.0)}, "'frequency_hz' is 0, expected 0.1 to 12.5"),
+        ({"frequency_hz": bad(-2.0)}, "'frequency_hz' is -2"),
+        ({"frequency_hz": bad(1e9)}, "'frequency_hz' is 1e+09"),
+        ({"frequency_hz": bad(2.0, 3)}, "'frequency_hz' has shape (3,)"),
+        ({"dt": bad(1e30)}, "'dt' is 1"),
         ({"split": np.array("odd")}, "'split' is 'odd'"),
         ({"gait": np.array("stand")}, "'gait' is 'stand' and 'split' 'steady'"),
         ({"switch_step": np.int64(STEPS)}, "'switch_step' is 6, expected a row, 0 to 5"),
@@ -182,9 +187,59 @@ def test_standing_has_no_stride(path: Path) -> None:
     stand = replace(make_clip("stand"), split="stand", frequency_hz=0.0)
     save_clip(path, stand)
     assert load_clip(path).frequency_hz == 0.0
-    save_clip(path, replace(stand, frequency_hz=2.0))
+    with pytest.raises(ClipError, match=r"not written.*or 0 for standing"):
+        save_clip(path, replace(stand, frequency_hz=2.0))
+    assert load_clip(path).frequency_hz == 0.0  # what was there stays
+    rewrite(path, frequency_hz=bad(2.0))
     with pytest.raises(ClipError, match="or 0 for standing"):
         load_clip(path)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"command": np.float32([0.6, 0.0, np.nan])},
+        {"frequency_hz": float("inf")},
+        {"frequency_hz": -2.0},
+        {"base_quaternion": np.zeros((STEPS, 4), dtype=np.float32)},
+        {"joint_target": np.zeros((STEPS, 11), dtype=np.float32)},
+        {"gait": "gallop"},
+    ],
+)
+def test_what_could_not_be_loaded_is_not_written(path: Path, change: dict) -> None:
+    good = path.read_bytes()
+    with pytest.raises(ClipError, match="not written, for it could not be loaded"):
+        save_clip(path, replace(make_clip(), **change))
+    assert path.read_bytes() == good
+    assert [file.name for file in path.parent.iterdir()] == [path.name]
+
+
+def test_a_folder_that_takes_no_clip_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ClipError, match=r"clip .*clip\.npz: cannot be written \(.*another folder"):
+        save_clip(tmp_path / "file" / "clip.npz", make_clip())
+
+
+def test_frequencies_survive_single_precision(path: Path) -> None:
+    save_clip(path, replace(make_clip(), frequency_hz=1.8))
+    assert load_clip(path).frequency_hz == 1.8
+
+
+def _save_often(path: Path) -> None:
+    for _ in range(15):
+        save_clip(path, make_clip())
+
+
+def test_two_that_write_one_clip_do_not_tear_it(path: Path) -> None:
+    writers = [multiprocessing.get_context("fork").Process(target=_save_often, args=(path,)) for _ in range(2)]
+    for writer in writers:
+        writer.start()
+    while any(writer.is_alive() for writer in writers):
+        assert len(load_clip(path)) == STEPS
+    for writer in writers:
+        writer.join()
+        assert writer.exitcode == 0
+    assert [file.name for file in path.parent.iterdir()] == [path.name]
 
 
 def test_folder_keeps_the_skills_asked_for(tmp_path: Path) -> None:

@@ -124,9 +124,9 @@ def test_states_are_the_amp_states_of_the_clip():
 
 def test_a_skill_without_clips_is_named_with_the_remedy():
     skills = (*SKILLS, Skill("pronk"))
-    with pytest.raises(ClipError, match=r"'pronk'.*camp\.dataset"):
+    with pytest.raises(ClipError, match=r"'pronk'.*they show: bound at 2 Hz.*take it out of motion\.skills"):
         Demonstrations(make_clips(), skills, 10, rng())
-    with pytest.raises(ClipError, match=r"'pronk'.*camp\.dataset"):
+    with pytest.raises(ClipError, match=r"'pronk'.*they show: bound at 2 Hz.*take it out of motion\.skills"):
         ReferenceStates(make_clips(), skills)
 
 

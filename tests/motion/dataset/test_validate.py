@@ -12,7 +12,7 @@ from camp.gaits.schedule import nominal_duty, nominal_flight
 from camp.metrics.gait import measure_gait
 from camp.motion.clips.clip import SPLITS, Clip
 from camp.motion.clips.store import load_clip
-from camp.motion.dataset.report import quality_table, worst_by_cell
+from camp.motion.dataset.report import failure_table, quality_tables, worst_by_cell, worst_table
 from camp.motion.dataset.requests import shipped_requests
 from camp.motion.dataset.validate import check_clip, heading_velocity, replay_error, rotation_matrix
 
@@ -164,10 +164,17 @@ def test_heading_velocity_of_a_turned_robot() -> None:
 def test_table_shows_the_worst() -> None:
     checks = check_clip(shipped("pace_3hz_in_place"), replay=False)
     worse = [replace(check, value=check.value + (0.5 if check.bound == "<=" else -0.5)) for check in checks]
-    table = quality_table({"good": checks, "bad": worse})
-    assert table.row_count == 2
-    for column, check in zip(table.columns[1:], worse, strict=True):
-        assert str(column.footer) == f"{check.value:.3f}"
+    results = {"good": checks, "bad": worse}
+    table = worst_table(results)
+    assert [*table.columns[1].cells] == ["bad"] * len(checks)
+    assert [str(cell) for cell in table.columns[2].cells] == [
+        f"{check.value:.3f}" for check in sorted(worse, key=lambda check: check.passed)
+    ]
+    failed = [check for check in worse if not check.passed]
+    assert [*failure_table(results).columns[1].cells] == [check.name for check in failed]
+    for blocks in (quality_tables(results, 80), quality_tables(results, 1000)):
+        assert sum(len(block.columns) - 1 for block in blocks) == len(checks)
+        assert all([*block.columns[0].cells] == ["bad", "good"] for block in blocks)  # failures first
 
 
 def test_worst_of_a_cell() -> None:

@@ -34,11 +34,11 @@ def test_kine2go_knows_its_own_layout(tmp_path: Path, amp: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        ({"FrameDuration": 0}, "'FrameDuration' is 0, expected seconds, more than 0; pass --rate"),
+        ({"FrameDuration": 0}, "'FrameDuration' is '0', expected seconds, more than 0; pass --rate"),
         ({"FrameDuration": "fast"}, "'FrameDuration' is 'fast'"),
         ({"FrameDuration": 20.0}, "frame rate is 0.05 Hz, expected 10 to 1000; pass --rate HZ"),
-        ({"FrameDuration": 0.04}, "at 25 Hz the joints move 0.5"),
-        ({"FrameDuration": 0.016}, "pass the rate the motion was sampled at (--rate, about 4"),
+        ({"FrameDuration": 0.04}, "at 25 Hz the joints move 0.52 times and the root moves 0.50 times"),
+        ({"FrameDuration": 0.016}, "the motion was sampled at about 50 Hz: pass --rate 50"),
         ({"Frames": lambda frames: frames[:2]}, "Frames holds 2 frames, at least 4"),
         ({"Frames": lambda frames: frames[:, :60]}, "frame 0 of 'Frames' has 60 numbers, expected 61"),
         ({"Frames": [[0.0] * 61, [0.0] * 60]}, "frame 1 of 'Frames' has 60 numbers, expected 61"),
@@ -48,7 +48,7 @@ def test_kine2go_knows_its_own_layout(tmp_path: Path, amp: Path) -> None:
         ({"Frames": spoiled(slice(3, 7), 1.2, slice(9, 10))}, "quaternion of frame 9 has norm 1.200"),
         (
             {"Frames": lambda f: np.concatenate([f[:, :3], f[:, [6, 3, 4, 5]], f[:, 7:]], axis=1)},
-            "in the order w x y z it is upright: reorder the columns",
+            "in the order wxyz it is upright: pass --quaternion-order wxyz",
         ),
         ({"Frames": swap_legs}, "pass --leg-order FL,FR,RL,RR"),
         ({"Frames": spoiled(slice(19, 31), 1.15)}, "if the file was made for another robot, pass --trust-joints"),
@@ -80,7 +80,7 @@ def test_remedies_work(amp: Path) -> None:
     np.testing.assert_array_equal(legs.joint_position, clip.joint_position)
     trusted = imported({"Frames": spoiled(slice(19, 31), 1.15)}, trust_joints=True)
     np.testing.assert_allclose(trusted.foot_position, clip.foot_position, atol=2e-6)
-    turned = imported({"Frames": in_world}, velocity_frame="world")
+    turned = imported({"Frames": in_world}, velocity_frames=("world", "world"))
     np.testing.assert_allclose(turned.base_linear_velocity, clip.base_linear_velocity, atol=1e-5)
     np.testing.assert_allclose(turned.base_angular_velocity, clip.base_angular_velocity, atol=1e-5)
     raised = imported({"Frames": spoiled(slice(2, 3), 1.5)}, ground=True)
@@ -91,7 +91,7 @@ def test_remedies_work(amp: Path) -> None:
     assert np.sqrt(np.mean(mismatch**2)) < 0.3
     at_rate = imported({"FrameDuration": 0.04}, rate_hz=50.0)
     np.testing.assert_array_equal(at_rate.joint_position, clip.joint_position)
-    with pytest.raises(ClipError, match="legs read as FL,FR,RL,RR"):  # trust is not blindness
+    with pytest.raises(ClipError, match="joints read as FL,FR,RL,RR"):  # trust is not blindness
         imported({}, leg_order=("FL", "FR", "RL", "RR"), trust_joints=True)
 
 
@@ -102,7 +102,7 @@ def test_remedies_work(amp: Path) -> None:
         (lambda table: table[:2], "holds 2 frames, at least 4 are needed"),
         (lambda table: table[0], "shape (19,)"),
         (lambda table: table.astype("U9"), "dtype <U9, expected numbers"),
-        (lambda table: table[:, [0, 1, 2, 4, 5, 6, 3, *range(7, 19)]], "read as w x y z, lets standing feet slip at"),
+        (lambda table: table[:, [0, 1, 2, 4, 5, 6, 3, *range(7, 19)]], "read as wxyz, lets standing feet slip at"),
         (
             lambda table: table[:, [*range(7), 8, 7, 9, *range(10, 19)]][:, [*range(7), *range(18, 6, -1)]],
             "rad in frame",
@@ -110,7 +110,7 @@ def test_remedies_work(amp: Path) -> None:
         (lambda table: np.where(np.arange(19) > 6, np.degrees(table), table), "angles must be in rad"),
         (
             lambda table: np.where(np.arange(19) == 12, np.inf, table),
-            "holds inf in frame 0, column 12 (200 such values)",
+            "holds inf in frame 0, column 12 (200 such values), expected numbers up to 1e+06",
         ),
     ],
 )
@@ -128,7 +128,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
         import_motion(tmp_path / "none.txt", "amp", TROT)
     path = tmp_path / "m.npy"
     np.save(path, np.array([{"a": 1}], dtype=object), allow_pickle=True)
-    with pytest.raises(ClipError, match=r"cannot be read as \.npy \(Object arrays cannot be loaded"):
+    with pytest.raises(ClipError, match=r"cannot be read as \.npy \(.*Python objects"):
         import_motion(path, "qpos", at_50)
     path.write_bytes(write_qpos(path, qpos_of(shipped())).read_bytes()[:300])
     with pytest.raises(ClipError, match=r"cannot be read as \.npy"):
@@ -150,7 +150,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
 
 
 def test_what_is_asked_for_must_make_sense(amp: Path, tmp_path: Path) -> None:
-    with pytest.raises(ClipError, match="gait 'gallop': pass one of trot"):
+    with pytest.raises(ClipError, match="--gait 'gallop': pass one of trot"):
         import_motion(amp, "amp", ImportOptions(gait="gallop"))
     with pytest.raises(ClipError, match="format 'bvh': pass one of amp, qpos, kine2go"):
         import_motion(amp, "bvh", TROT)

@@ -16,7 +16,7 @@ from camp.motion.clips.clip import amp_state
 from camp.motion.clips.store import load_clip
 from camp.motion.exchange.convert import import_motion, resample
 from camp.motion.exchange.exporter import export_amp
-from camp.motion.exchange.motion import ImportOptions, Motion, by_leg, derive_velocities
+from camp.motion.exchange.motion import ImportOptions, Motion, derive_velocities
 from camp.motion.exchange.rotations import continuous, multiply, rotate, rotate_inverse, slerp
 from camp.robots.go2 import FOOT_NAMES, JOINT_NAMES
 from tests.motion.exchange.foreign import (
@@ -202,8 +202,8 @@ def test_legs_in_another_order(tmp_path: Path) -> None:
     options = ImportOptions(gait="trot", rate_hz=50.0, leg_order=order)
     back = import_motion(write_qpos(tmp_path / "m.npy", table), "qpos", options)
     np.testing.assert_array_equal(back.joint_position, clip.joint_position)
-    with pytest.raises(ClipError, match="leg order FL,FL,RL,FR: name each of FL,FR,RL,RR once"):
-        by_leg(np.zeros((3, 12)), ("FL", "FL", "RL", "FR"))
+    with pytest.raises(ClipError, match="--leg-order FL,FL,RL,FR: name each of FL,FR,RL,RR once"):
+        import_motion(tmp_path / "m.npy", "qpos", replace(options, leg_order=("FL", "FL", "RL", "FR")))
 
 
 @pytest.mark.parametrize("joints_by_kind", [False, True])

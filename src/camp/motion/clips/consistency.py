@@ -1,4 +1,4 @@
-"""Cheap checks of a clip against itself and the robot: they need no simulation and guard loading.
+"""Consistency checks of a clip that need no simulation and are applied whenever a clip is loaded.
 
 A file whose arrays were mixed up on the way (quaternion order, legs, frame rate, frames of different time) does
 not move as its velocities say, or has its feet where its joints cannot put them.

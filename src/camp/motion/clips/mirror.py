@@ -1,4 +1,4 @@
-"""Mirroring a motion left to right: the Go2 is symmetric, so a good clip gives a second one for nothing."""
+"""Mirroring a motion left to right: the Go2 is symmetric, so the image of a valid clip is a valid clip."""
 
 from __future__ import annotations
 

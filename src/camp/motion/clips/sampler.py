@@ -11,19 +11,22 @@ from torch import Tensor
 
 from camp.common.errors import ClipError
 from camp.data import Transition
-from camp.gaits.skills import Skill
+from camp.gaits.skills import Skill, label_of
 from camp.motion.clips.clip import Clip, amp_state
 
 
 def _by_skill(clips: Sequence[Clip], skills: Sequence[Skill]) -> list[list[Clip]]:
     """Clips per skill, in label order. Raises ClipError where a skill has none or the frame rates differ."""
-    groups = [[clip for clip in clips if skill.includes(clip.gait, clip.frequency_hz)] for skill in skills]
+    labels = [label_of(clip.gait, clip.frequency_hz, skills) for clip in clips]
+    groups = [
+        [clip for clip, label in zip(clips, labels, strict=True) if label == index] for index in range(len(skills))
+    ]
     for skill, group in zip(skills, groups, strict=True):
         if not group:
-            found = sorted({f"{clip.gait} {clip.frequency_hz:g} Hz" for clip in clips})
+            found = ", ".join(sorted({f"{clip.gait} at {clip.frequency_hz:g} Hz" for clip in clips})) or "none"
             raise ClipError(
-                f"skill {skill.name!r}: none of the {len(clips)} clips shows it (found {found}); "
-                "generate them with `python -m camp.dataset` or take it out of motion.skills and motion.frequencies_hz"
+                f"skill {skill.name!r}: none of the {len(clips)} clips shows it (they show: {found}); "
+                "take it out of motion.skills and motion.frequencies_hz, or add a clip of it"
             )
     periods = sorted({round(clip.dt, 6) for group in groups for clip in group})
     if len(periods) > 1:
@@ -62,6 +65,7 @@ class Demonstrations:
             skill.append(torch.full((len(chosen),), label))
             counts.append(len(chosen))
         self.transition = Transition(torch.cat(state), torch.cat(skill)).to(device)
+        self.counts = dict(zip((skill.name for skill in skills), counts, strict=True))  # transitions by skill
         self._count = torch.tensor(counts, device=device)  # (K,)
         self._start = self._count.cumsum(0) - self._count  # (K,) first row of each skill
 

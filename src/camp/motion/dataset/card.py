@@ -6,6 +6,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from camp.common.errors import ClipError
+from camp.common.files import write_text
 from camp.gaits.gait import GAITS
 from camp.motion.clips.clip import SPLITS, STAND, TRAINING_SPLITS, Clip
 from camp.motion.clips.consistency import ClipCheck
@@ -13,6 +15,7 @@ from camp.motion.dataset.report import Cell, worst_by_cell
 from camp.robots.go2 import FOOT_NAMES, JOINT_NAMES, PD_GAIN_D, PD_GAIN_P
 
 CARD_NAME = "README.md"
+_MARK = "Written by `python -m camp.dataset card`; do not edit."
 
 SPLIT_MEANING = {
     "steady": "one command held throughout, recorded after 3 s of walking",
@@ -74,8 +77,7 @@ def dataset_card(clips: Mapping[str, Clip], results: Mapping[str, Sequence[ClipC
     bad = sum(not all(check.passed for check in checks) for checks in results.values())
     parts = [
         "# Expert motions of the Unitree Go2: four gaits, three stride frequencies",
-        f"{len(clips)} clips, {rows:,} rows, {seconds / 60:.1f} minutes, {size / 1e6:.1f} MB. "
-        "Written by `python -m camp.dataset card`; do not edit.",
+        f"{len(clips)} clips, {rows:,} rows, {seconds / 60:.1f} minutes, {size / 1e6:.1f} MB. {_MARK}",
         "## What is in it",
         _counts_table(clips),
         _splits_text(clips),
@@ -97,9 +99,11 @@ def dataset_card(clips: Mapping[str, Clip], results: Mapping[str, Sequence[ClipC
 
 
 def write_card(folder: Path, text: str) -> Path:
-    """Put the card beside the clips; returns its path."""
+    """Put the card beside the clips; returns its path. Raises ClipError for a README that is no card."""
     path = folder / CARD_NAME
-    path.write_text(text, encoding="utf-8")
+    if path.exists() and _MARK.encode() not in path.read_bytes():
+        raise ClipError(f"{path} is there already, and was not written by this command; move it away")
+    write_text(path, text)
     return path
 
 

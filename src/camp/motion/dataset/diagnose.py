@@ -1,4 +1,4 @@
-"""Why a clip fails: tries the usual mix-ups of legged-robot files and says which one explains it."""
+"""Diagnosis of a failed clip: which of the usual mix-ups in legged-robot files explains it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Judging clips: does a motion do what it says, within the robot's limits, and can it be repeated?"""
+"""Validation of clips: agreement with label and command, the robot's limits, and open-loop replay."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a file to a clip: read, check, resample to 50 Hz, and fill in what only a simulation would know."""
+"""From a file to a clip: read, check, resample to 50 Hz, and estimate what the file does not contain."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from camp.common.errors import ClipError
-from camp.gaits.schedule import GAIT_PHASES
 from camp.metrics.gait import measure_gait
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.consistency import guard_checks
@@ -25,7 +24,8 @@ from camp.motion.exchange.feet import (
 )
 from camp.motion.exchange.motion import CONTROL_RATE_HZ, ImportOptions, Motion, Velocities, derive_velocities
 from camp.motion.exchange.rotations import rotate, slerp, yaw
-from camp.robots.go2 import FOOT_NAMES, FOOT_RADIUS
+from camp.motion.exchange.velocities import are_differences, check_velocities
+from camp.robots.go2 import FOOT_RADIUS
 
 _READERS: dict[str, Callable[[Path, ImportOptions], Motion]] = {
     "amp": amp.read_amp,
@@ -33,7 +33,6 @@ _READERS: dict[str, Callable[[Path, ImportOptions], Motion]] = {
     "kine2go": kine2go.read_kine2go,
 }
 FORMATS = tuple(_READERS)
-_LEG_ORDERS = {"amp": amp.LEG_ORDER, "qpos": FOOT_NAMES, "kine2go": kine2go.LEG_ORDER}
 
 
 def import_motion(path: Path, file_format: str, options: ImportOptions) -> Clip:
@@ -45,42 +44,43 @@ def import_motion(path: Path, file_format: str, options: ImportOptions) -> Clip:
     of the next row and the torques 0. Raises ClipError, naming the file, for everything that does not fit.
     """
     path = Path(path)
-    if options.gait not in GAIT_PHASES:
-        raise ClipError(f"gait {options.gait!r}: pass one of {', '.join(GAIT_PHASES)}")
+    options.check()
     if file_format not in FORMATS:
         raise ClipError(f"format {file_format!r}: pass one of {', '.join(FORMATS)}")
     if not path.is_file():
         raise ClipError(f"motion {path} does not exist; pass the path of a file")
     try:
-        motion = _READERS[file_format](path, options)
-        motion = _checked(motion, options.leg_order or _LEG_ORDERS[file_format], options)
+        read = _READERS[file_format](path, options)
+        motion = _checked(read, options)
         clip = _clip(motion, options, file_format)
-        _refuse_inconsistent(clip)
+        _refuse_inconsistent(clip, motion.velocities is read.velocities)
         return clip
     except ClipError as error:
         raise ClipError(f"motion {path}: {error}") from error
 
 
-def _refuse_inconsistent(clip: Clip) -> None:
-    """What loading would refuse is not written in the first place."""
+def _refuse_inconsistent(clip: Clip, own_velocities: bool) -> None:
+    """What loading would refuse is not written in the first place. own_velocities: they are the file's."""
     failed = [str(check) for check in guard_checks(clip) if not check.passed]
     if failed:
         remedy = "cut the motion to where it walks"
         if any("mismatch" in reason or "rate" in reason for reason in failed):
-            remedy = "pass --derive-velocities, or smooth the motion"
+            remedy = "smooth the motion, or bring it with its velocities or at a higher rate"
+            if own_velocities:
+                remedy = "pass --derive-velocities, or smooth the motion"
         raise ClipError(f"{'; '.join(failed)}; {remedy}")
 
 
-def _checked(motion: Motion, leg_order: tuple[str, ...], options: ImportOptions) -> Motion:
+def _checked(motion: Motion, options: ImportOptions) -> Motion:
     """The motion with velocities, on the floor where asked for."""
     checks.check_rate(motion)
-    check_feet(motion, leg_order, options.trust_joints)
+    check_feet(motion, options.trust_joints)
     checks.check_joint_range(motion)
     checks.check_quaternion_order(motion)
     if options.derive_velocities:
         motion = replace(motion, velocities=None)
-    checks.check_velocities(motion)
-    if checks.are_differences(motion):
+    check_velocities(motion)
+    if are_differences(motion):
         motion = replace(motion, velocities=None)  # nothing is lost, and they stand where they belong
     if options.ground:
         motion = _grounded(motion)
@@ -127,7 +127,7 @@ def _clip(motion: Motion, options: ImportOptions, file_format: str) -> Clip:
     foot_position = feet_of(motion.joint_position)
     height = foot_heights(motion.base_position, motion.base_quaternion, foot_position)
     contact = estimate_contact(height, world_foot_velocity(motion, velocities, foot_position))
-    frequency = options.frequency_hz or _stride_frequency(contact)
+    frequency = _stride_frequency(contact) if options.frequency_hz is None else options.frequency_hz
     next_position = np.concatenate([motion.joint_position[1:], motion.joint_position[-1:]])
 
     def single(values: np.ndarray) -> np.ndarray:

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from camp.common.errors import ClipError
+from camp.common.files import write_text
 from camp.motion.clips.clip import Clip
 from camp.motion.exchange.amp import LEG_ORDER
 from camp.robots.go2 import FOOT_NAMES
@@ -48,8 +50,10 @@ def export_amp(path: Path, clip: Clip) -> None:
     }
     lines = ",\n".join("[" + ", ".join(str(value) for value in frame) + "]" for frame in frames)
     text = json.dumps(head, indent=0)[:-2] + ',\n"Frames": [\n' + lines + "\n]\n}\n"
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(path.name + ".tmp")
-    temporary.write_text(text, encoding="utf-8")
-    temporary.replace(path)
+
+    def read_back(written: Path) -> None:
+        read = np.array(json.loads(written.read_text(encoding="utf-8"))["Frames"], dtype=np.float32)
+        if not np.array_equal(read, frames):
+            raise ClipError(f"{path}: not written, for it does not read as the clip's numbers")
+
+    write_text(Path(path), text, read_back)

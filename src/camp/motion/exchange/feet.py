@@ -9,12 +9,14 @@ import numpy as np
 import torch
 
 from camp.common.errors import ClipError
-from camp.motion.exchange.motion import Motion, Velocities, by_leg
+from camp.motion.exchange.motion import Motion, Velocities
 from camp.motion.exchange.rotations import rotate
 from camp.robots import kinematics
 from camp.robots.go2 import FOOT_NAMES
 
 FOOT_TOLERANCE = 0.01  # m, mean distance of the file's feet from those of its joints
+CLEARLY_NEARER = 0.75  # of the distance, from which another order of the legs is the right one
+ROUNDING = 0.001  # m, below which no other order of the legs is looked for
 FLOOR_PERCENTILE = 5.0  # of a foot's height over time: where it stands
 CONTACT_HEIGHT = 0.015  # m above that
 CONTACT_SPEED = 0.6  # m/s of the foot in the world
@@ -35,27 +37,31 @@ def mean_distance(feet: np.ndarray, others: np.ndarray) -> float:
     return float(np.linalg.norm(feet - others, axis=-1).mean())
 
 
-def check_feet(motion: Motion, order: Sequence[str], trust_joints: bool) -> None:
+def check_feet(motion: Motion, trust_joints: bool) -> None:
     """Compare the file's feet with those of its joints.
 
-    order: of the file's legs, for the message. Raises ClipError where they are apart; where another order of the
-    legs brings them together, that is the reason, whatever `trust_joints` says.
+    Raises ClipError where they are apart; where other orders of the joints' and the feet's legs bring them together,
+    that is the reason, whatever `trust_joints` says.
     """
     if motion.foot_position is None:
         return
-    distance = mean_distance(feet_of(motion.joint_position), motion.foot_position)
-    if distance <= FOOT_TOLERANCE:
+    apart = _distances(motion)
+    distance = float(apart[range(4), range(4), range(4)].mean())
+    if distance <= ROUNDING:
         return
-    # Under the file's order, leg FOOT_NAMES[k] was read from the columns that `renamed[k]` would have.
-    found = {renamed: _distance_if(motion, renamed) for renamed in permutations(FOOT_NAMES)}
-    best = min(found, key=lambda renamed: found[renamed])
-    if found[best] < distance / 2:
-        true_order = ",".join(best[FOOT_NAMES.index(leg)] for leg in order)
+    found, legs, feet = _best_orders(apart)
+    if found < CLEARLY_NEARER * distance:
+        leg_order = _renamed(motion.leg_order, legs)
+        foot_order = _renamed(motion.foot_order, feet)
+        options = f"--leg-order {','.join(leg_order)}"
+        if foot_order != leg_order:
+            options += f" --foot-order {','.join(foot_order)}"
         raise ClipError(
-            f"feet and joints are {distance:.3f} m apart (mean) with legs read as {','.join(order)}, "
-            f"{found[best]:.3f} m with {true_order}; pass --leg-order {true_order}"
+            f"feet and joints are {distance:.3f} m apart (mean) with joints read as {','.join(motion.leg_order)} and "
+            f"feet as {','.join(motion.foot_order)}, {found:.3f} m with joints {','.join(leg_order)} and feet "
+            f"{','.join(foot_order)}; pass {options}"
         )
-    if not trust_joints:
+    if distance > FOOT_TOLERANCE and not trust_joints:
         raise ClipError(
             f"the file's feet are {distance:.3f} m (mean) from those of a Go2 with its joints, at most "
             f"{FOOT_TOLERANCE} m is allowed; if the file was made for another robot, pass --trust-joints to compute "
@@ -63,11 +69,32 @@ def check_feet(motion: Motion, order: Sequence[str], trust_joints: bool) -> None
         )
 
 
-def _distance_if(motion: Motion, renamed: tuple[str, ...]) -> float:
-    joints = by_leg(motion.joint_position, renamed)
+def _distances(motion: Motion) -> np.ndarray:
+    """Mean distance (4, 4, 4), m, at leg L between the foot that the joints of leg A would have there and foot B."""
     assert motion.foot_position is not None
-    feet = by_leg(motion.foot_position.reshape(-1, 12), renamed).reshape(-1, 4, 3)
-    return mean_distance(feet_of(joints), feet)
+    joints = motion.joint_position.reshape(-1, 4, 3)
+    apart = np.empty((4, 4, 4))
+    for source in range(4):
+        feet = feet_of(np.repeat(joints[:, source : source + 1], 4, axis=1).reshape(-1, 12))
+        gap = np.linalg.norm(feet[:, :, None] - motion.foot_position[:, None], axis=-1)  # (N, leg, foot)
+        apart[:, source] = gap.mean(axis=0)
+    return apart
+
+
+def _best_orders(apart: np.ndarray) -> tuple[float, tuple[int, ...], tuple[int, ...]]:
+    """The smallest mean distance, m, and the legs whose joints and whose feet belong to FL, FR, RL, RR with it."""
+    near, orders = apart.tolist(), list(permutations(range(4)))
+    found = {
+        (legs, feet): sum(near[leg][legs[leg]][feet[leg]] for leg in range(4)) / 4 for legs in orders for feet in orders
+    }
+    legs, feet = min(found, key=lambda pair: found[pair])
+    return found[legs, feet], legs, feet
+
+
+def _renamed(order: Sequence[str], sources: Sequence[int]) -> tuple[str, ...]:
+    """A file's order of legs, once leg FOOT_NAMES[k] is what was read as FOOT_NAMES[sources[k]]."""
+    true_name = {FOOT_NAMES[source]: FOOT_NAMES[leg] for leg, source in enumerate(sources)}
+    return tuple(true_name[leg] for leg in order)
 
 
 def foot_heights(base_position: np.ndarray, base_quaternion: np.ndarray, foot_position: np.ndarray) -> np.ndarray:

@@ -23,14 +23,16 @@ import numpy as np
 
 from camp.common.errors import ClipError
 from camp.motion.exchange.feet import feet_of, mean_distance
-from camp.motion.exchange.motion import ImportOptions, Motion, by_leg
+from camp.motion.exchange.motion import ImportOptions, Motion, by_leg, w_first
 from camp.motion.exchange.rotations import continuous, rotate_inverse
 from camp.motion.exchange.tables import check_table, check_unit, load_npy
+from camp.robots.go2 import FOOT_NAMES
 
 RATE_HZ = 60.0
 LEG_ORDER = ("FR", "FL", "RR", "RL")
 FOOT_ORDER = ("FL", "RL", "FR", "RR")
 NUM_COLUMNS = 61
+QUATERNION_ORDER = "wxyz"
 _SAME_POSITION = 1e-3  # m
 
 
@@ -44,22 +46,29 @@ def read_kine2go(path: Path, options: ImportOptions) -> Motion:
             "pass another --format"
         )
     check_unit(table[:, 51:55])
-    quaternion = continuous(table[:, 51:55])
-    world = by_leg(table[:, 36:48], FOOT_ORDER).reshape(-1, 4, 3)
+    quaternion_order = options.quaternion_order or QUATERNION_ORDER
+    quaternion = continuous(w_first(table[:, 51:55], quaternion_order))
+    foot_order = options.foot_order or FOOT_ORDER
+    world = by_leg(table[:, 36:48], foot_order).reshape(-1, 4, 3)
     foot_position = rotate_inverse(quaternion[:, None], world - table[:, None, 48:51])
+    joints, leg_order = _joints(table[:, 6:18], foot_position, options.leg_order)
     return Motion(
-        rate_hz=options.rate_hz or RATE_HZ,
+        rate_hz=RATE_HZ if options.rate_hz is None else options.rate_hz,
         base_position=table[:, 48:51],
         base_quaternion=quaternion,
-        joint_position=_joints(table[:, 6:18], foot_position, options),
+        quaternion_order=quaternion_order,
+        joint_position=joints,
         foot_position=foot_position,
+        leg_order=leg_order,
+        foot_order=foot_order,
     )
 
 
-def _joints(columns: np.ndarray, foot_position: np.ndarray, options: ImportOptions) -> np.ndarray:
-    """(N, 12) in the project's order, read in that documented order whose feet come nearer to the file's."""
-    if options.leg_order is not None:
-        return by_leg(columns, options.leg_order)
+def _joints(
+    columns: np.ndarray, foot_position: np.ndarray, order: tuple[str, ...] | None
+) -> tuple[np.ndarray, tuple[str, ...]]:
+    """(N, 12) in the project's order, and the file's: of leg by leg and kind by kind what comes nearer to the feet."""
     by_kind = columns.reshape(-1, 3, 4).swapaxes(1, 2).reshape(-1, 12)  # (kind, leg) to (leg, kind)
-    readings = [by_leg(columns, LEG_ORDER), by_kind]
-    return min(readings, key=lambda joints: mean_distance(feet_of(joints), foot_position))
+    orders = (order or LEG_ORDER, order or FOOT_NAMES)
+    readings = [(by_leg(block, legs), legs) for block, legs in zip((columns, by_kind), orders, strict=True)]
+    return min(readings, key=lambda reading: mean_distance(feet_of(reading[0]), foot_position))

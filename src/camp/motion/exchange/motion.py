@@ -1,4 +1,4 @@
-"""What every reader hands on: the frames of a file in the project's own order, units and frames."""
+"""Input and output of every reader: options, and a file's motion in the project's order, units and frames."""
 
 from __future__ import annotations
 
@@ -8,10 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from camp.common.errors import ClipError
+from camp.gaits.schedule import GAIT_PHASES
+from camp.gaits.skills import FREQUENCY_RANGE_HZ
 from camp.motion.exchange.rotations import conjugate, multiply, rotate_inverse, rotation_vector
 from camp.robots.go2 import FOOT_NAMES
 
 CONTROL_RATE_HZ = 50.0  # of every clip
+RATE_RANGE_HZ = (10.0, 1000.0)  # of a motion file
+QUATERNION_ORDERS = ("wxyz", "xyzw")
+FRAMES = ("base", "world")
+FASTEST = (5.0, 5.0, 10.0)  # m/s, m/s, rad/s of a command: beyond what a Go2 does (3.7 m/s by its data sheet)
 
 
 @dataclass(frozen=True)
@@ -22,11 +28,40 @@ class ImportOptions:
     rate_hz: float | None = None  # frames per s, in place of the file's own
     frequency_hz: float | None = None  # stride frequency; measured where None
     command: tuple[float, float, float] | None = None  # vx, vy m/s, wz rad/s held throughout; measured where None
-    leg_order: tuple[str, ...] | None = None  # of the file's joints and feet; the format's own where None
-    velocity_frame: str = "base"  # of an amp file's root velocities: base or world
+    leg_order: tuple[str, ...] | None = None  # of the file's joints; the format's own where None
+    foot_order: tuple[str, ...] | None = None  # of the file's feet; the joints' where None
+    quaternion_order: str | None = None  # one of QUATERNION_ORDERS; the format's own where None
+    velocity_frames: tuple[str, str] = ("base", "base")  # of an amp file's root velocities, linear and angular
     trust_joints: bool = False  # where the file's feet are another robot's
     derive_velocities: bool = False  # from the positions, in place of the file's own
     ground: bool = False  # shift the height so that the lowest feet touch the floor
+
+    def check(self) -> None:
+        """Raise ClipError for a value that no motion can have."""
+        _check_choice("--gait", self.gait, tuple(GAIT_PHASES))
+        if self.rate_hz is not None:
+            _check_range("--rate", self.rate_hz, RATE_RANGE_HZ, "frames per s")
+        if self.frequency_hz is not None:
+            _check_range("--frequency", self.frequency_hz, FREQUENCY_RANGE_HZ, "strides per s")
+        for value, fastest in zip(self.command or (), FASTEST, strict=False):
+            _check_range("--steady", value, (-fastest, fastest), "m/s, or rad/s for the yaw rate")
+        for name, order in (("--leg-order", self.leg_order), ("--foot-order", self.foot_order)):
+            if order is not None and sorted(order) != sorted(FOOT_NAMES):
+                raise ClipError(f"{name} {','.join(order)}: name each of {','.join(FOOT_NAMES)} once")
+        if self.quaternion_order is not None:
+            _check_choice("--quaternion-order", self.quaternion_order, QUATERNION_ORDERS)
+        for frame in self.velocity_frames:
+            _check_choice("--velocity-frame", frame, FRAMES)
+
+
+def _check_range(name: str, value: float, bounds: tuple[float, float], unit: str) -> None:
+    if not bounds[0] <= value <= bounds[1]:
+        raise ClipError(f"{name} {value:g}: pass {bounds[0]:g} to {bounds[1]:g} {unit}")
+
+
+def _check_choice(name: str, value: str, choices: Sequence[str]) -> None:
+    if value not in choices:
+        raise ClipError(f"{name} {value!r}: pass one of {', '.join(choices)}")
 
 
 @dataclass(frozen=True)
@@ -48,7 +83,10 @@ class Motion:
     joint_position: np.ndarray  # (N, 12) rad
     velocities: Velocities | None = None  # the file's own
     foot_position: np.ndarray | None = None  # (N, 4, 3) m, base frame, the file's own
-    quaternion_order: str = "w x y z"  # in the file
+    quaternion_order: str = "wxyz"  # in the file
+    velocity_frames: tuple[str, str] = ("base", "base")  # of the file's root velocities, linear and angular
+    leg_order: tuple[str, ...] = FOOT_NAMES  # as which the file's joints were read
+    foot_order: tuple[str, ...] = FOOT_NAMES  # as which its feet were read
 
     def __len__(self) -> int:
         return len(self.base_position)
@@ -56,10 +94,13 @@ class Motion:
 
 def by_leg(values: np.ndarray, order: Sequence[str]) -> np.ndarray:
     """Columns (N, 12), three per leg in a file's `order`, in the order of FOOT_NAMES."""
-    if sorted(order) != sorted(FOOT_NAMES):
-        raise ClipError(f"leg order {','.join(order)}: name each of {','.join(FOOT_NAMES)} once")
     legs = values.reshape(len(values), 4, 3)
     return legs[:, [list(order).index(leg) for leg in FOOT_NAMES]].reshape(len(values), 12)
+
+
+def w_first(quaternion: np.ndarray, order: str) -> np.ndarray:
+    """Quaternions (N, 4) of a file, in one of QUATERNION_ORDERS, with w first."""
+    return quaternion if order == "wxyz" else quaternion[:, [3, 0, 1, 2]]
 
 
 def derive_velocities(motion: Motion) -> Velocities:

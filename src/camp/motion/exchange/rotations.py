@@ -1,4 +1,4 @@
-"""Quaternions in numpy, (..., 4) with w first: just what reading and resampling motion needs."""
+"""Quaternions in numpy, (..., 4) with w first, for reading and resampling motion."""
 
 from __future__ import annotations
 
