@@ -73,8 +73,8 @@ def perturbed_clips(config: Config) -> list[Clip]:
     wanted = config.motion
     cells = [(gait, frequency) for gait in wanted.skills for frequency in wanted.frequencies_hz]
     requests = perturbed_requests(wanted.perturbed_clips, PERTURBED_SEED, cells)
-    shared = Path(config.output_dir) / "motions" / f"perturbed-{_expert_version(wanted.skills)}"
-    folder = Path(wanted.perturbed_folder or shared)
+    version = _expert_version(wanted.skills)
+    folder = Path(wanted.perturbed_folder or Path(config.output_dir) / "motions" / f"perturbed-{version}")
     with folder_lock(folder):  # jobs of a sweep want the same clips
         _generate_missing(requests, folder)
     made = [path for path in (folder / f"{request.name}.npz" for request in requests) if path.is_file()]
