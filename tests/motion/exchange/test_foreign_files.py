@@ -15,10 +15,11 @@ import pytest
 from camp.common.errors import ClipError
 from camp.dataset import main
 from camp.motion.clips.store import load_clip
+from camp.motion.exchange.checks import check_quaternion_order
 from camp.motion.exchange.exporter import export_amp
 from camp.motion.exchange.feet import check_feet, feet_of
 from camp.motion.exchange.motion import Motion, by_leg
-from camp.motion.exchange.rotations import multiply, rotate
+from camp.motion.exchange.rotations import continuous, multiply, rotate
 from camp.robots.go2 import FOOT_NAMES, JOINT_NAMES
 from tests.errors import assert_one_line
 from tests.motion.exchange.foreign import FOLDER, HALF_TURN, qpos_of, shipped
@@ -226,6 +227,24 @@ def test_tables_of_every_separator(
     code, said, clip = imported(path, capsys, "--format", "qpos", "--rate", "50")
     assert code == 0, said
     np.testing.assert_allclose(load_clip(clip).joint_position, shipped().joint_position, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "name", ["trot_2hz_in_place", "pronk_3hz_in_place", "pronk_2hz_forward_0.6", "trot_4hz_in_place"]
+)
+@pytest.mark.parametrize("w_first", [False, True])
+def test_the_order_of_a_quaternion_is_told(tmp_path: Path, name: str, w_first: bool) -> None:
+    """Also in place, where a body that faces backward would look the same from above."""
+    clip = load_clip(FOLDER / f"{name}.npz")
+    quaternion = clip.base_quaternion.astype(np.float64)
+    read = continuous(quaternion if w_first else quaternion[:, [1, 2, 3, 0]])
+    position, joints = clip.base_position.astype(np.float64), clip.joint_position.astype(np.float64)
+    motion = Motion(50.0, position, read, joints, quaternion_order="wxyz")
+    if w_first:
+        check_quaternion_order(motion)
+    else:
+        with pytest.raises(ClipError, match="pass --quaternion-order xyzw"):
+            check_quaternion_order(motion)
 
 
 def npy(path: Path, array: np.ndarray) -> Path:
