@@ -20,12 +20,13 @@ from analysis.contacts import FEET, spans
 from analysis.load import AnalysisError
 from analysis.style import GAIT_COLOURS, INK, new_figure, save, style
 from camp.cli.key_values import run_command
-from camp.common.paths import assets_root
+from camp.common.paths import shipped_motions
 from camp.gaits.gait import GAITS
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.consistency import rotation_matrix
 from camp.motion.clips.store import load_clip
 from camp.motion.dataset.validate import heading_velocity
+from camp.robots.registry import DEFAULT_ROBOT
 
 SHOWN_COMMAND = "forward_0.6"  # of the steady clips that are drawn
 SHOWN_S = 1.0  # of a steady clip
@@ -175,7 +176,7 @@ def _clip(folder: Path, name: str) -> Clip:
 
 def draw_all(arguments: Sequence[str]) -> None:
     """Draw the figures and print their paths. Raises AnalysisError, ClipError."""
-    folder = Path(arguments[0]) if arguments else assets_root() / "motions" / "go2"
+    folder = Path(arguments[0]) if arguments else shipped_motions(DEFAULT_ROBOT)
     target = Path(arguments[1]) if len(arguments) > 1 else Path("docs/motions")
     for path in draw_motions(folder, target):
         print(path)

@@ -1,4 +1,4 @@
-"""The style of all figures: sizes in inches, one colour-blind-safe colour per gait, no global matplotlib state."""
+"""The style of all figures: sizes in inches, one colour per gait, no global matplotlib state."""
 
 from __future__ import annotations
 

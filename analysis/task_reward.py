@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 from torch import Tensor
 
-from camp.build import motion_folder
+from camp.build import build_robot, motion_folder
 from camp.config.compose import compose_config
 from camp.envs.config import RewardConfig
 from camp.envs.rewards import angular_velocity_reward, averaged, linear_velocity_reward, mix_rewards
@@ -50,7 +50,7 @@ def reward_of_standing(clip: Clip, config: RewardConfig) -> float:
 def main() -> None:
     config = compose_config([])
     rows = defaultdict(list)
-    for clip in load_clips(motion_folder(config), tuple(GAIT_PHASES), splits=("steady",)):
+    for clip in load_clips(build_robot(config.robot), motion_folder(config), tuple(GAIT_PHASES), splits=("steady",)):
         reward = config.env.reward
         values = [reward_of(clip, reward, constant) for constant in TIME_CONSTANTS]
         rows[clip.gait, clip.frequency_hz].append([*values, reward_of_standing(clip, reward)])

@@ -42,24 +42,24 @@ def split(clips: Sequence[Clip], skills: Sequence[Skill]) -> tuple[list[Clip], l
 def samples(clips: Sequence[Clip], skills: Sequence[Skill], ages: Sequence[int]) -> tuple[NDArray, NDArray]:
     """All transitions (B, F * S) of the clips and their labels (B,)."""
     motion = [transitions(torch.from_numpy(amp_state(clip)), ages).flatten(1).numpy() for clip in clips]
-    label = np.array([label_of(clip.gait, clip.frequency_hz, skills) for clip in clips], dtype=np.int64)  # type: ignore[arg-type]
-    return np.concatenate(motion), label.repeat([len(rows) for rows in motion])
+    label = np.array([label_of(clip.gait, clip.frequency_hz, skills) for clip in clips])
+    return np.concatenate(motion), np.repeat(label, [len(rows) for rows in motion])
 
 
 def accuracy(clips: Sequence[Clip], skills: Sequence[Skill], ages: Sequence[int], seed: int) -> tuple[float, float]:
     """Fractions of the asked transitions whose skill, and whose gait, is recognized."""
     learned, asked = split(clips, skills)
     scaler = StandardScaler()
-    x, y = samples(learned, skills, ages)
-    network = MLPClassifier((64,), batch_size=512, max_iter=6, random_state=seed)  # type: ignore[arg-type]
+    inputs, labels = samples(learned, skills, ages)
+    network = MLPClassifier((64,), batch_size=512, max_iter=6, random_state=seed)  # pyright: ignore[reportArgumentType]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ConvergenceWarning)  # a few passes are enough, and the same for all
-        network.fit(scaler.fit_transform(x), y)
-    x, y = samples(asked, skills, ages)
-    x = np.asarray(scaler.transform(x))
-    answer = np.asarray(network.predict(x + NOISE * np.random.default_rng(seed).standard_normal(x.shape)), dtype=int)
+        network.fit(scaler.fit_transform(inputs), labels)
+    inputs, labels = samples(asked, skills, ages)
+    inputs = np.asarray(scaler.transform(inputs))
+    answer = np.asarray(network.predict(inputs + NOISE * np.random.default_rng(seed).standard_normal(inputs.shape)))
     gait = np.array([skill.gait for skill in skills])
-    return float((answer == y).mean()), float((gait[answer] == gait[y]).mean())
+    return float((answer == labels).mean()), float((gait[answer] == gait[labels]).mean())
 
 
 def main() -> None:

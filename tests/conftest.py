@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 import torch
 
-from camp.build import motion_folder
+from camp.build import build_robot, motion_folder
 from camp.config.compose import compose_config
 from camp.config.schema import Config
 from camp.motion.clips.clip import Clip
@@ -62,4 +62,4 @@ def config() -> Config:
 def clips() -> list[Clip]:
     """The shipped clips."""
     shipped = compose_config([])
-    return load_clips(motion_folder(shipped), shipped.motion.skills)
+    return load_clips(build_robot(shipped.robot), motion_folder(shipped), shipped.motion.skills)

@@ -19,6 +19,7 @@ from camp.deployment import onnx_graph
 from camp.deployment.export import JointTargets, export_policy, metadata
 from camp.deployment.onnx_graph import ExportError, policy_graph
 from camp.export import export
+from camp.robots.go2 import GO2
 from tests.small_run import environment_observations, small_run
 
 onnx = pytest.importorskip("onnx", reason="comes with the export extra")
@@ -135,7 +136,7 @@ def test_nothing_of_the_machine_is_in_the_file(run, exported):
 def test_another_kind_of_layer_is_refused(loaded):
     actor = copy.deepcopy(loaded.actor)
     actor.network[1] = torch.nn.Tanh()
-    targets = JointTargets(actor, 0.25)
+    targets = JointTargets(GO2, actor, 0.25)
     with pytest.raises(ExportError, match="layer 1 is a Tanh: only Linear and ELU"):
         policy_graph(actor, targets.default_pose, 0.25, {})
 

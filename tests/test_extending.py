@@ -13,10 +13,12 @@ from typing import Any
 
 import pytest
 
+from camp.motion.clips.store import load_clip
+
 ROOT = Path(__file__).parent.parent
 PAGE = "docs/extending.md"
-COPIED = ("src", "conf", "ablations", "analysis", "docs", "pyproject.toml")
-BLOCK = re.compile(r"([^\n]*)\n\n```(python|yaml|sh)\n(.*?)```", re.DOTALL)
+COPIED = ("src", "conf", "ablations", "analysis", "docs", "tests", "pyproject.toml")
+BLOCK = re.compile(r"([^\n]*)\n\n```(python|yaml|diff|sh)\n(.*?)```", re.DOTALL)
 pytestmark = pytest.mark.slow
 
 
@@ -43,14 +45,21 @@ def follow(project: Path, heading: str) -> None:
     """Edit the files and run the commands of a section, in order."""
     for line, language, text in recipe(heading):
         if language == "sh":
-            for command in text.splitlines():
+            for command in text.replace("\\\n", "").splitlines():
                 run(project, command)
+        elif language == "diff":
+            (project / "change.diff").write_text(text)
+            run(project, "git apply change.diff")
         else:
             edit(project, line, text)
 
 
 def edit(project: Path, line: str, text: str) -> None:
-    """Carry out "At the end of `file`:" or "In `file`, below `start of a line`:"."""
+    """Carry out "In a new file `file`:", "At the end of `file`:" or "In `file`, below `start of a line`:"."""
+    if new := re.fullmatch(r"In a new file `(.+)`:", line):
+        assert not (project / new[1]).exists()
+        (project / new[1]).write_text(text)
+        return
     if end := re.fullmatch(r"At the end of `(.+)`:", line):
         path = project / end[1]
         path.write_text(f"{path.read_text()}\n\n{text}")
@@ -114,6 +123,13 @@ def test_a_gait(project):
     assert (project / "outputs/latest/figures/contacts.png").is_file()
     known = run(project, WALK_IS_READ)
     assert known.split() == ["walk", "#56B4E9"]
+
+
+def test_a_robot(project):
+    follow(project, "A robot")
+    clip = load_clip(project / "src/camp/assets/motions/tall/trot_3hz_forward_0.6.npz")
+    assert clip.base_linear_velocity[:, 0].mean() == pytest.approx(0.6, abs=0.05)
+    assert "name: tall" in (project / "outputs/latest/config.yaml").read_text()
 
 
 # The expert's own clip, read by foot contacts, and the colour of its strip in the figure.

@@ -22,8 +22,9 @@ LAYERS = (
     ("algo", "envs"),
     ("config",),
     ("build", "cli"),
-    ("training", "evaluation", "deployment", "single_env"),
-    ("train", "evaluate", "export", "deploy", "dataset", "ship", "bench"),
+    ("training", "evaluation", "single_env"),
+    ("deployment",),
+    ("train", "evaluate", "export", "deploy", "dataset", "ship", "bench", "judge", "leaderboard"),
 )
 # Modules beside the packages that nobody needs to import: the commands, and Gymnasium's entry point.
 ENTRY_POINTS = {*LAYERS[-1], "single_env"}
@@ -101,3 +102,13 @@ def test_the_bare_loop_needs_no_torch():
     for module in reached:
         text = modules()[module].read_text(encoding="utf-8")
         assert not any(line.lstrip().startswith(("import torch", "from torch")) for line in text.splitlines()), module
+
+
+def test_only_the_registry_knows_the_robots_one_by_one():
+    """Whoever needs a robot's numbers is given the robot; `camp.robots.registry` finds it by its name."""
+    single = {f"camp.robots.{path.stem}" for path in (ROOT / "robots").glob("*.xml")}
+    assert "camp.robots.go2" in single
+    users = {module for module, those in imports().items() if those & single and part(module) != "robots"}
+    assert not users
+    within = {module for module, those in imports().items() if those & single} - single
+    assert within == {"camp.robots.registry"}

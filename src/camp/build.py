@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from camp.algo.skill import SkillPrior
 from camp.algo.style import StylePrior
 from camp.common import distributed
 from camp.common.errors import ConfigError
-from camp.common.paths import assets_root
+from camp.common.paths import shipped_motions
 from camp.common.seeding import generator
 from camp.common.threads import threads_of_process
 from camp.config.devices import learner_device, simulator_device
@@ -29,11 +29,14 @@ from camp.gaits.skills import names
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.sampler import Demonstrations, ReferenceStates
 from camp.motion.clips.store import load_skill_clips
-from camp.robots import go2
 from camp.robots.amp_state import AMP_STATE_SIZE
+from camp.robots.config import RobotConfig
+from camp.robots.quadruped import NUM_JOINTS, NUM_LEGS
+from camp.robots.registry import find_robot
+from camp.robots.robot import Robot
 from camp.runs.checkpoint import INCOMPATIBLE, incompatible
 from camp.runs.state import load_state
-from camp.sim.base import Gains, Simulator
+from camp.sim.base import Simulator
 from camp.sim.choice import warp_installed
 from camp.sim.config import SimConfig
 from camp.sim.cpu import CpuSimulator
@@ -72,15 +75,22 @@ class Run:
         return expert_clips(self.config)
 
 
+def build_robot(config: RobotConfig) -> Robot:
+    """The robot of conf/robot, with the gains given there."""
+    return replace(
+        find_robot(config.name), pd_gain_p=tuple(config.kp) * NUM_LEGS, pd_gain_d=tuple(config.kd) * NUM_LEGS
+    )
+
+
 def motion_folder(config: Config) -> Path:
-    """Where the expert clips lie: the configured folder, or the shipped one."""
-    return Path(config.motion.folder) if config.motion.folder else assets_root() / "motions" / "go2"
+    """Where the expert clips lie: the configured folder, or the robot's shipped one."""
+    return Path(config.motion.folder) if config.motion.folder else shipped_motions(config.robot.name)
 
 
 def expert_clips(config: Config) -> list[Clip]:
     """The clips of the configured skills and stride frequencies. Raises ClipError where a skill has none."""
-    motion = config.motion
-    return load_skill_clips(motion_folder(config), motion.skill_set(), list(motion.frequencies_hz), motion.mirrored)
+    robot, folder, motion = build_robot(config.robot), motion_folder(config), config.motion
+    return load_skill_clips(robot, folder, motion.skill_set(), list(motion.frequencies_hz), motion.mirrored)
 
 
 def build_simulator(config: Config, num_envs: int | None = None) -> Simulator:
@@ -91,9 +101,9 @@ def build_simulator(config: Config, num_envs: int | None = None) -> Simulator:
     sim: SimConfig = config.sim
     num = sim.num_envs if num_envs is None else num_envs
     period, timestep = config.env.control_period_s, sim.physics_timestep_s
-    gains = nominal_gains(config)
+    robot = build_robot(config.robot)
     if sim.backend == "cpu":
-        return CpuSimulator(num, period, timestep, sim.threads, gains)
+        return CpuSimulator(robot, num, period, timestep, sim.threads)
     if not warp_installed():
         raise ConfigError("sim.backend = 'gpu': mujoco_warp is not installed; pip install '.[gpu]', or choose sim=cpu")
     device = simulator_device(config)
@@ -101,12 +111,7 @@ def build_simulator(config: Config, num_envs: int | None = None) -> Simulator:
 
     assert sim.contacts_per_robot is not None and sim.constraints_per_robot is not None
     settings = WarpSettings(device, sim.contacts_per_robot, sim.constraints_per_robot)
-    return GpuSimulator(num, period, timestep, settings, gains)
-
-
-def nominal_gains(config: Config) -> Gains:
-    """Of the PD law, joint by joint."""
-    return tuple(config.robot.kp) * go2.NUM_LEGS, tuple(config.robot.kd) * go2.NUM_LEGS
+    return GpuSimulator(robot, num, period, timestep, settings)
 
 
 def build_env(config: Config, clips: list[Clip], num_envs: int | None = None) -> QuadrupedEnv:
@@ -175,7 +180,7 @@ def share_of_rank(config: Config) -> Config:
 
 def build_actor(config: Config, weights: torch.Generator) -> GaussianActor:
     """The policy network, on the CPU."""
-    return GaussianActor(_observed(config)[0], go2.NUM_JOINTS, config.algo.actor, weights)
+    return GaussianActor(_observed(config)[0], NUM_JOINTS, config.algo.actor, weights)
 
 
 def load_run(folder: Path) -> Run:

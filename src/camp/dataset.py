@@ -7,6 +7,8 @@ python -m camp.dataset card [FOLDER]         write the folder's README.md from i
 python -m camp.dataset perturbed --folder F  clips with noisy targets and corrective labels, for imitation
 python -m camp.dataset import FILE ...       another project's motion becomes a clip: --format, --gait (docs/motions.md)
 python -m camp.dataset export CLIP ...       a clip in another project's format: --format amp OUTPUT
+
+--robot NAME: whose motions, everywhere but for `export` (default: go2)
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from camp.cli.guard import guarded
 from camp.common.errors import ClipError, ConfigError
 from camp.common.files import folder_lock
-from camp.common.paths import assets_root
+from camp.common.paths import shipped_motions
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.consistency import ClipCheck
 from camp.motion.clips.store import load_clip
@@ -39,9 +41,12 @@ from camp.motion.dataset.requests import ClipRequest, perturbed_requests, shippe
 from camp.motion.dataset.validate import check_clip
 from camp.motion.exchange.cli import COMMANDS as EXCHANGE
 from camp.motion.exchange.cli import add_exchange, run_exchange
+from camp.robots.registry import DEFAULT_ROBOT, ROBOTS, find_robot
+from camp.robots.robot import Robot
 
 MOST_CLIPS = 100_000  # of one seed: what tells the files' names apart
 MOST_WORKERS = 1024  # each takes a process and its memory
+SHIPPED = "the robot's shipped clips"  # what help texts call the usual folder
 TABLE_WIDTH = 80  # characters, where the output is not a terminal
 
 if __name__ == "__mp_main__":  # a process that generates: Ctrl-C is the parent's to deal with
@@ -54,16 +59,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    if options.command == "validate":
-        return validate(options.folder, options.all)
-    if options.command == "card":
-        return card(options.folder)
+    robot = find_robot(options.robot, key="--robot")
     if options.command in EXCHANGE:
-        return run_exchange(options)
+        return run_exchange(robot, options)
+    options.folder = options.folder or _usual_folder(robot, options.command)
+    if options.command == "validate":
+        return validate(robot, options.folder, options.all)
+    if options.command == "card":
+        return card(robot, options.folder)
     if options.command == "perturbed":
-        generate(perturbed_requests(options.count, options.seed), options)
+        generate(robot, perturbed_requests(options.count, options.seed), options)
         return 0  # some perturbed robots fall: their clips are left out
-    return int(generate(_fitting(shipped_requests(), options.only), options) > 0)
+    return int(generate(robot, _fitting(shipped_requests(robot), options.only), options) > 0)
+
+
+def _usual_folder(robot: Robot, command: str) -> Path:
+    """Where a robot's clips lie, or those that show it recovering go."""
+    return Path(f"outputs/motions/perturbed_{robot.name}") if command == "perturbed" else shipped_motions(robot.name)
 
 
 def _fitting(requests: Sequence[ClipRequest], pattern: str) -> list[ClipRequest]:
@@ -74,13 +86,13 @@ def _fitting(requests: Sequence[ClipRequest], pattern: str) -> list[ClipRequest]
     return found
 
 
-def generate(requests: Sequence[ClipRequest], options: argparse.Namespace) -> int:
+def generate(robot: Robot, requests: Sequence[ClipRequest], options: argparse.Namespace) -> int:
     """Generate clips with a progress bar, after other processes that do so there; returns how many failed."""
     count = {"made": 0, "kept": 0, "failed": 0}
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with folder_lock(options.folder), Progress(*columns) as progress:
         task = progress.add_task("expert clips", total=len(requests))
-        for outcome in generate_dataset(requests, options.folder, options.workers, options.overwrite):
+        for outcome in generate_dataset(robot, requests, options.folder, options.workers, options.overwrite):
             count[outcome.status] += 1
             if outcome.status == "failed":
                 progress.console.print(f"left out: {outcome.request.name}: {outcome.message}", soft_wrap=True)
@@ -99,9 +111,9 @@ class Judged:
     bad: int
 
 
-def validate(folder: Path, show_all: bool = False) -> int:
+def validate(robot: Robot, folder: Path, show_all: bool = False) -> int:
     """Print what fails and the worst of each criterion, or every clip with `show_all`; returns the exit code."""
-    judged = judge(folder)
+    judged = judge(robot, folder)
     console = Console() if sys.stdout.isatty() else Console(width=TABLE_WIDTH)
     if any(not check.passed for checks in judged.results.values() for check in checks):
         console.print(failure_table(judged.results))
@@ -114,17 +126,17 @@ def validate(folder: Path, show_all: bool = False) -> int:
     return int(judged.bad > 0)
 
 
-def card(folder: Path) -> int:
+def card(robot: Robot, folder: Path) -> int:
     """Write the folder's card; returns the exit code. Raises ClipError where no clip can be read."""
-    judged = judge(folder)
+    judged = judge(robot, folder)
     if not judged.clips:
         raise ClipError(f"no clip in {folder} can be read; see why with `python -m camp.dataset validate {folder}`")
     size = sum(path.stat().st_size for path in clip_paths(folder))
-    print(write_card(folder, dataset_card(judged.clips, judged.results, size)))
+    print(write_card(folder, dataset_card(robot, judged.clips, judged.results, size)))
     return int(judged.bad > 0)
 
 
-def judge(folder: Path) -> Judged:
+def judge(robot: Robot, folder: Path) -> Judged:
     """Check every clip of a folder; what is wrong is printed, with its likely cause."""
     clips, results, bad = {}, {}, 0
     errors = Console(stderr=True)
@@ -136,11 +148,11 @@ def judge(folder: Path) -> Judged:
             bad += 1
             print(f"error: {error}", file=sys.stderr)
             continue
-        clips[path.stem], results[path.stem] = clip, check_clip(clip)
+        clips[path.stem], results[path.stem] = clip, check_clip(robot, clip)
         failed = [str(check) for check in results[path.stem] if not check.passed]
         if failed:
             bad += 1
-            reason = "; ".join(filter(None, [find_cause(clip), *failed]))
+            reason = "; ".join(filter(None, [find_cause(robot, clip), *failed]))
             print(f"error: clip {path}: {reason}", file=sys.stderr)
     return Judged(clips, results, bad)
 
@@ -172,34 +184,40 @@ def _whole(lowest: int, largest: int) -> Callable[[str], int]:
 
 
 def _parser() -> argparse.ArgumentParser:
-    shipped = assets_root() / "motions" / "go2"
     parser: argparse.ArgumentParser = _Parser(prog="python -m camp.dataset", description="Expert motions.")
     parser.set_defaults(command="generate")
     parser.add_argument(
         "--only", metavar="PATTERN", default="*", help="the clips whose name fits, such as 'trot_2hz_*'"
     )
-    _add_generation(parser, shipped)
+    _add_generation(parser, SHIPPED)
+    _add_robot(parser, DEFAULT_ROBOT)
     commands = parser.add_subparsers()
     check = commands.add_parser("validate", help="check the clips of a folder")
-    check.add_argument("folder", type=Path, nargs="?", default=shipped)
+    check.add_argument("folder", type=Path, nargs="?", help=f"(default: {SHIPPED})")
     check.add_argument("--all", action="store_true", help="also every clip with every criterion")
     check.set_defaults(command="validate")
     describe = commands.add_parser("card", help="write the data set's README.md from its clips")
-    describe.add_argument("folder", type=Path, nargs="?", default=shipped)
+    describe.add_argument("folder", type=Path, nargs="?", help=f"(default: {SHIPPED})")
     describe.set_defaults(command="card")
     perturbed = commands.add_parser("perturbed", help="generate clips with noisy targets and corrective labels")
     perturbed.add_argument(
         "--count", type=_whole(1, MOST_CLIPS), default=150, help="number of clips to try (some robots fall)"
     )
     perturbed.add_argument("--seed", type=_whole(0, MOST_CLIPS), default=0, help="seed of commands and noise")
-    _add_generation(perturbed, Path("outputs/motions/perturbed"))
+    _add_generation(perturbed, "outputs/motions/perturbed_<robot>")
     perturbed.set_defaults(command="perturbed")
     add_exchange(commands)
+    for command in commands.choices.values():
+        _add_robot(command, argparse.SUPPRESS)  # what stands before the command counts too
     return parser
 
 
-def _add_generation(parser: argparse.ArgumentParser, folder: Path) -> None:
-    parser.add_argument("--folder", type=Path, default=folder, help="output folder (default: %(default)s)")
+def _add_robot(parser: argparse.ArgumentParser, default: str) -> None:
+    parser.add_argument("--robot", default=default, help=f"one of {', '.join(ROBOTS)} (default: {DEFAULT_ROBOT})")
+
+
+def _add_generation(parser: argparse.ArgumentParser, folder: str) -> None:
+    parser.add_argument("--folder", type=Path, help=f"output folder (default: {folder})")
     parser.add_argument(
         "--workers", type=_whole(1, MOST_WORKERS), default=os.cpu_count() or 1, help="number of processes"
     )

@@ -10,7 +10,6 @@ import torch
 
 from camp.build import build_env, expert_clips
 from camp.config.compose import compose_config
-from camp.robots.go2 import load_model
 from camp.sim.rendering import RobotRenderer
 
 
@@ -63,7 +62,7 @@ class Go2Env(gym.Env):
         if self.render_mode is None:
             return None
         if self._renderer is None:
-            self._renderer = RobotRenderer(load_model())
+            self._renderer = RobotRenderer(self.batched.robot.load_model())
         return self._renderer.frame(self.batched.sim.state.qpos()[0].numpy(force=True))
 
     def close(self) -> None:

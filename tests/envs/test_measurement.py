@@ -10,8 +10,9 @@ import torch
 
 from camp.envs.measurement import measure, rotate, rotate_inverse
 from camp.motion.clips.clip import amp_state
-from camp.robots import go2
 from camp.robots.amp_state import AMP_STATE_SIZE
+from camp.robots.go2 import GO2
+from camp.robots.quadruped import FOOT_NAMES
 from camp.sim.base import RobotState
 
 
@@ -46,16 +47,16 @@ def state_of(qpos: np.ndarray, qvel: np.ndarray) -> RobotState:
 
 
 def test_measurement_agrees_with_mujoco():
-    model = go2.load_model()
+    model = GO2.load_model()
     data = mujoco.MjData(model)
     rng = np.random.default_rng(1)
     data.qpos[:] = np.concatenate(
-        [[0.3, -0.2, 0.4], rng.standard_normal(4), rng.uniform(go2.JOINT_LOWER, go2.JOINT_UPPER)]
+        [[0.3, -0.2, 0.4], rng.standard_normal(4), rng.uniform(GO2.joint_lower, GO2.joint_upper)]
     )
     data.qpos[3:7] /= np.linalg.norm(data.qpos[3:7])
     data.qvel[:] = rng.standard_normal(18)
     mujoco.mj_forward(model, data)
-    measured = measure(state_of(data.qpos, data.qvel))
+    measured = measure(GO2, state_of(data.qpos, data.qvel))
     velocity = np.zeros(6)
     # Body-centred velocity in the body's own axes; MuJoCo puts rotation first. Origin, not centre of mass.
     mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, model.body("base").id, velocity, 1)
@@ -63,7 +64,7 @@ def test_measurement_agrees_with_mujoco():
     np.testing.assert_allclose(measured.linear_velocity[0].numpy(), velocity[3:], atol=1e-5)
     rotation = data.body("base").xmat.reshape(3, 3)
     np.testing.assert_allclose(measured.gravity[0].numpy(), rotation.T @ [0, 0, -1], atol=1e-6)
-    feet = np.array([data.geom(f"{leg}_foot").xpos for leg in go2.FOOT_NAMES])
+    feet = np.array([data.geom(f"{leg}_foot").xpos for leg in FOOT_NAMES])
     np.testing.assert_allclose(measured.foot_position[0].numpy(), (feet - data.qpos[:3]) @ rotation, atol=1e-5)
 
 
@@ -76,6 +77,6 @@ def test_amp_state_of_a_clip_is_the_environments(clips):
         torch.from_numpy(clip.base_linear_velocity[row])[None],
     )[0].numpy()
     velocity = np.concatenate([world_velocity, clip.base_angular_velocity[row], clip.joint_velocity[row]])
-    state = measure(state_of(position, velocity)).amp_state()[0].numpy()
+    state = measure(GO2, state_of(position, velocity)).amp_state()[0].numpy()
     assert state.shape == (AMP_STATE_SIZE,)
     np.testing.assert_allclose(state, amp_state(clip)[row], atol=2e-5)

@@ -16,7 +16,7 @@ from camp.envs.config import EXTERNAL
 from camp.envs.measurement import measure
 from camp.envs.quadruped import STARTS_PERIOD_S, QuadrupedEnv
 from camp.motion.clips.clip import Clip, amp_state
-from camp.robots import go2
+from camp.robots.go2 import GO2
 from camp.sim.base import Dynamics
 
 ZERO = torch.zeros(8, 12)
@@ -48,7 +48,7 @@ def test_observation_holds_what_the_table_says(config, clips):
     env = make(config, clips)
     action = 0.1 * torch.randn(8, 12, generator=torch.Generator().manual_seed(0))
     env.advance(action)
-    state, pose = env.sim.state, torch.tensor(go2.DEFAULT_JOINT_POSITION)
+    state, pose = env.sim.state, torch.tensor(GO2.default_joint_position)
     torch.testing.assert_close(env.observation[:, 0:3], state.base_angular_velocity)
     torch.testing.assert_close(env.observation[:, 6:9], env.command)
     torch.testing.assert_close(env.observation[:, 9:21], state.joint_position - pose)
@@ -280,7 +280,7 @@ def test_starts_are_drawn_anew_on_a_clock(config, clips):
 def test_a_start_is_what_the_simulator_then_shows(config, clips):
     config.env.randomization.enabled = True
     env = make(config, clips)
-    measured = measure(env.sim.state)
+    measured = measure(env.robot, env.sim.state)
     torch.testing.assert_close(env.amp_state, measured.amp_state())
     observation = env.set_command(env.command, env.skill)
     env.reset(seed=0, options={"stagger": False})

@@ -15,7 +15,7 @@ from camp.envs.measurement import Measurement, sliding_speed
 from camp.envs.observations import entries_of, observe
 from camp.envs.rewards import TERMS, active_terms, reward_term, task_rewards
 from camp.envs.situation import Before, Setup, Situation
-from camp.robots import go2
+from camp.robots.go2 import GO2
 from camp.robots.kinematics import foot_position
 from camp.sim.base import Dynamics
 
@@ -23,7 +23,7 @@ from camp.sim.base import Dynamics
 @pytest.fixture
 def situation() -> Situation:
     """Two robots in the default pose, at rest but for what a test changes."""
-    joints = torch.tensor(go2.DEFAULT_JOINT_POSITION).repeat(2, 1)
+    joints = torch.tensor(GO2.default_joint_position).repeat(2, 1)
     measurement = Measurement(
         base_position=torch.tensor([[0.0, 0.0, 0.3]]).repeat(2, 1),
         linear_velocity=torch.zeros(2, 3),
@@ -31,12 +31,12 @@ def situation() -> Situation:
         gravity=torch.tensor([[0.0, 0.0, -1.0]]).repeat(2, 1),
         joint_position=joints,
         joint_velocity=torch.zeros(2, 12),
-        foot_position=foot_position(joints),
+        foot_position=foot_position(GO2.leg, joints),
         foot_contact=torch.tensor([[True] * 4, [True, False, False, False]]),
         body_force=torch.zeros(2, 5),
     )
     return Situation(
-        setup=Setup(4, True, go2.DEFAULT_JOINT_POSITION, 0.25, (go2.PD_GAIN_P, go2.PD_GAIN_D), 0.02),
+        setup=Setup(GO2, 4, True, 0.25, 0.02),
         measurement=measurement,
         command=torch.zeros(2, 3),
         skill=torch.tensor([2, 0]),
@@ -70,7 +70,7 @@ def test_terms_by_hand(situation):
 
 def test_a_foot_slips_while_it_is_in_contact(situation):
     situation.measurement.linear_velocity[:] = torch.tensor([0.3, 0.4, 0.0])
-    torch.testing.assert_close(sliding_speed(situation.measurement), torch.full((2, 4), 0.5))
+    torch.testing.assert_close(sliding_speed(GO2, situation.measurement), torch.full((2, 4), 0.5))
     torch.testing.assert_close(TERMS["foot_slip"](situation), torch.tensor([4 * 0.25, 0.25]))
 
 

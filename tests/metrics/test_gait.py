@@ -11,6 +11,7 @@ from camp.common.paths import assets_root
 from camp.gaits.schedule import GAIT_PHASES
 from camp.metrics.gait import label_over_time, measure_gait, pair_phase_errors, phase_error, switch_time
 from camp.motion.clips.store import load_clips
+from camp.robots.go2 import GO2
 
 PERIOD = 0.02  # s
 
@@ -204,7 +205,7 @@ def test_wrong_input_is_named():
 
 
 def test_every_steady_clip_is_labelled_right():
-    clips = load_clips(assets_root() / "motions" / "go2", tuple(GAIT_PHASES), ["steady"])
+    clips = load_clips(GO2, assets_root() / "motions" / "go2", tuple(GAIT_PHASES), ["steady"])
     for clip in clips:
         measured = measure_gait(clip.foot_contact[None], float(clip.dt))
         name = f"{clip.gait} at {clip.frequency_hz} Hz, command {clip.command}"

@@ -55,6 +55,14 @@ def test_a_damaged_configuration_names_the_file(run, content, words):
     assert "--cfg" not in line and "=<value>" not in line
 
 
+def test_a_folder_from_before_robots_had_names_is_of_the_go2(run):
+    config = run / "config.yaml"
+    text = config.read_text()
+    config.write_text(text.replace("robot:\n  name: go2\n", "robot:\n"))
+    assert config.read_text() != text
+    assert load_run_config(run).robot.name == "go2"
+
+
 def test_a_value_out_of_range_is_told_with_the_file(run):
     config = run / "config.yaml"
     config.write_text(config.read_text().replace("seed: 0\n", f"seed: {2**64}\n"))

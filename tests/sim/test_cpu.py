@@ -7,18 +7,18 @@ import numpy as np
 import pytest
 import torch
 
-from camp.robots import go2
+from camp.robots.go2 import GO2
 from camp.sim.base import Dynamics, InitialState
 from camp.sim.cpu import CpuSimulator
 
-POSE = torch.tensor(go2.DEFAULT_JOINT_POSITION)
+POSE = torch.tensor(GO2.default_joint_position)
 
 
 def make(num_envs: int = 4) -> CpuSimulator:
-    return CpuSimulator(num_envs, control_period=0.02, physics_timestep=0.005, threads=1)
+    return CpuSimulator(GO2, num_envs, control_period=0.02, physics_timestep=0.005, threads=1)
 
 
-def standing(num: int, height: float = go2.STANDING_HEIGHT) -> InitialState:
+def standing(num: int, height: float = GO2.standing_height) -> InitialState:
     return InitialState(
         base_position=torch.tensor([[0.0, 0.0, height]]).repeat(num, 1),
         base_quaternion=torch.tensor([[1.0, 0.0, 0.0, 0.0]]).repeat(num, 1),

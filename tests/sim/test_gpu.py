@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from camp.common.errors import SimulationError
-from camp.robots import go2
+from camp.robots.go2 import GO2
 from camp.sim.base import Dynamics, InitialState, Simulator
 from camp.sim.cpu import CpuSimulator
 
@@ -16,14 +16,14 @@ pytest.importorskip("mujoco_warp", reason="mujoco_warp is not installed; it come
 from camp.sim.gpu import GpuSimulator, WarpSettings
 
 NUM = 6
-POSE = torch.tensor(go2.DEFAULT_JOINT_POSITION)
+POSE = torch.tensor(GO2.default_joint_position)
 TOLERANCE = {"joint_position": 1e-4, "base_position": 1e-4, "joint_velocity": 5e-3, "foot_force": 1.0}  # rad, m, N
 EVERYONE = torch.ones(NUM, dtype=torch.bool)
 
 
 def make(contacts: int = 25, constraints: int = 128, device: str = "cpu") -> GpuSimulator:
     settings = WarpSettings(torch.device(device), contacts, constraints)
-    return GpuSimulator(NUM, control_period=0.02, physics_timestep=0.005, settings=settings)
+    return GpuSimulator(GO2, NUM, control_period=0.02, physics_timestep=0.005, settings=settings)
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +32,7 @@ def shared() -> GpuSimulator:
     return make()
 
 
-def standing(height: float = go2.STANDING_HEIGHT) -> InitialState:
+def standing(height: float = GO2.standing_height) -> InitialState:
     return InitialState(
         base_position=torch.tensor([[0.0, 0.0, height]]).repeat(NUM, 1),
         base_quaternion=torch.tensor([[1.0, 0.0, 0.0, 0.0]]).repeat(NUM, 1),
@@ -81,7 +81,7 @@ def targets(steps: int, seed: int, amplitude: float = 0.15) -> torch.Tensor:
 
 @pytest.mark.parametrize("dynamics", [nominal(), randomized(0), randomized(1)], ids=["nominal", "random 0", "random 1"])
 def test_fifty_steps_agree_with_the_cpu_backend(shared, dynamics):
-    reference = CpuSimulator(NUM, 0.02, 0.005, threads=1)
+    reference = CpuSimulator(GO2, NUM, 0.02, 0.005, threads=1)
     for sim in (shared, reference):
         begin(sim, dynamics)
     worst = {name: torch.zeros(NUM) for name in TOLERANCE}
@@ -103,7 +103,7 @@ def test_fifty_steps_agree_with_the_cpu_backend(shared, dynamics):
 
 
 def test_a_fallen_robot_is_felt_alike(shared):
-    reference = CpuSimulator(NUM, 0.02, 0.005, threads=1)
+    reference = CpuSimulator(GO2, NUM, 0.02, 0.005, threads=1)
     on_its_side = standing(height=0.2)
     on_its_side.base_quaternion = torch.tensor([[math.cos(0.7), math.sin(0.7), 0.0, 0.0]]).repeat(NUM, 1)
     for sim in (shared, reference):
@@ -118,7 +118,7 @@ def test_a_fallen_robot_is_felt_alike(shared):
 
 def test_derived_constants_are_mujocos(shared):
     dynamics = randomized(3)
-    reference = CpuSimulator(NUM, 0.02, 0.005, threads=1)
+    reference = CpuSimulator(GO2, NUM, 0.02, 0.005, threads=1)
     for sim in (shared, reference):
         begin(sim, dynamics)
     for robot in range(NUM):
@@ -226,7 +226,7 @@ def test_the_graph_does_what_direct_launches_do():
 @pytest.mark.gpu
 @pytest.mark.skipif(not torch.cuda.is_available(), reason="torch finds no CUDA GPU")
 def test_the_gpu_agrees_with_the_cpu_backend():
-    sim, reference = make(device="cuda:0"), CpuSimulator(NUM, 0.02, 0.005, threads=1)
+    sim, reference = make(device="cuda:0"), CpuSimulator(GO2, NUM, 0.02, 0.005, threads=1)
     for target in targets(50, seed=2):
         sim.step(target.cuda())
         reference.step(target)

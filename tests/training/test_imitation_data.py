@@ -6,7 +6,7 @@ import numpy as np
 import torch
 
 from camp.build import build_env
-from camp.robots import go2
+from camp.robots.go2 import GO2
 from camp.training.imitation_data import imitation_data
 
 
@@ -15,7 +15,7 @@ def test_pairs_of_a_clip_by_hand(config, clips):
     data = imitation_data([clip], config, torch.device("cpu"))
     assert data.observation.shape == (len(clip) - 1, 49)
     row, t = data.observation[9].numpy(), 10
-    pose = np.array(go2.DEFAULT_JOINT_POSITION)
+    pose = np.array(GO2.default_joint_position)
     np.testing.assert_allclose(row[0:3], clip.base_angular_velocity[t], atol=1e-6)
     np.testing.assert_allclose(row[6:9], clip.command, atol=1e-6)
     np.testing.assert_allclose(row[9:21], clip.joint_position[t] - pose, atol=1e-6)

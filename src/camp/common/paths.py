@@ -33,6 +33,11 @@ def assets_root() -> Path:
     return _PACKAGE / "assets"
 
 
+def shipped_motions(robot: str) -> Path:
+    """The folder of the expert motions of the robot of that name."""
+    return assets_root() / "motions" / robot
+
+
 def policies_root() -> Path:
     """The policies shipped inside the package, one small run folder each."""
     return assets_root() / "policies"

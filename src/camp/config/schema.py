@@ -14,11 +14,12 @@ from camp.common import checks
 from camp.envs.config import EnvConfig
 from camp.envs.observations import check_names
 from camp.envs.rewards import check_terms
-from camp.gaits.schedule import GRID_STEPS
+from camp.gaits.gait import GAITS
 from camp.gaits.skills import FREQUENCY_TOLERANCE
 from camp.motion.config import MotionConfig
-from camp.robots import go2
 from camp.robots.config import RobotConfig
+from camp.robots.quadruped import NUM_LEGS
+from camp.robots.registry import find_robot
 from camp.runs.config import LoggerConfig
 from camp.sim.config import SimConfig
 
@@ -90,20 +91,22 @@ class Config:
             self.algo.ppo.update_normalizer,
             "set it to true without imitation (algo.imitation.epochs=0), or observations are never scaled",
         )
-        gains = (list(self.robot.kp) * go2.NUM_LEGS, list(self.robot.kd) * go2.NUM_LEGS)
+        robot = find_robot(self.robot.name)
+        gains = (tuple(self.robot.kp) * NUM_LEGS, tuple(self.robot.kd) * NUM_LEGS)
         checks.require(
-            self.algo.imitation.epochs == 0 or gains == (list(go2.PD_GAIN_P), list(go2.PD_GAIN_D)),
+            self.algo.imitation.epochs == 0 or gains == (robot.pd_gain_p, robot.pd_gain_d),
             "robot.kp",
             list(self.robot.kp),
-            "the expert's targets are made for the gains of robot=go2; use those, or run=scratch",
+            f"the expert's targets are made for the gains of robot={robot.name}; use those, or run=scratch",
         )
         frequencies = list(self.motion.frequencies_hz)
+        walked = sorted(set.intersection(*(set(GAITS[gait].duty) for gait in self.motion.skills)))
         imitates = self.algo.imitation.epochs > 0 or self.algo.imitation.ppo_weight > 0.0
         checks.require(
-            not imitates or set(frequencies) <= GRID_STEPS.keys(),
+            not imitates or set(frequencies) <= set(walked),
             "motion.frequencies_hz",
             frequencies,
-            f"the expert that is imitated walks at {', '.join(f'{hz:g}' for hz in GRID_STEPS)} Hz; choose from these "
+            f"the expert that is imitated walks at {', '.join(f'{hz:g}' for hz in walked)} Hz; choose from these "
             f"(clips within {FREQUENCY_TOLERANCE:.0%} are taken), or run=scratch",
         )
         for key, wanted in (

@@ -13,14 +13,15 @@ from torch import Tensor, nn
 
 from camp import __version__
 from camp.algo.models import GaussianActor
-from camp.build import load_run
+from camp.build import build_robot, load_run
 from camp.common.errors import ConfigError
 from camp.common.files import whole_file, write_text
 from camp.config.schema import Config
 from camp.deployment.onnx_graph import OPSET, ExportError, largest_difference, policy_graph, require_packages
 from camp.envs.observations import entries_of
 from camp.gaits.skills import names
-from camp.robots import go2
+from camp.robots.quadruped import JOINT_NAMES
+from camp.robots.robot import Robot
 from camp.runs.folder import METADATA, MODEL
 
 TOLERANCE = 1e-5  # rad, between the exported policy and torch's
@@ -41,11 +42,11 @@ class JointTargets(nn.Module):
 
     default_pose: Tensor
 
-    def __init__(self, actor: GaussianActor, action_scale: float) -> None:
+    def __init__(self, robot: Robot, actor: GaussianActor, action_scale: float) -> None:
         """action_scale: rad per unit of the actor's output."""
         super().__init__()
         self.actor, self.action_scale = actor, action_scale
-        self.register_buffer("default_pose", torch.tensor(go2.DEFAULT_JOINT_POSITION))
+        self.register_buffer("default_pose", torch.tensor(robot.default_joint_position))
 
     def forward(self, observation: Tensor) -> Tensor:
         return self.default_pose + self.action_scale * self.actor(observation)
@@ -53,12 +54,13 @@ class JointTargets(nn.Module):
 
 def metadata(config: Config) -> dict[str, Any]:
     """All that a controller needs besides the network, as plain values; docs/deployment.md tells what each means."""
-    skills = config.motion.skill_set()
+    robot, skills = build_robot(config.robot), config.motion.skill_set()
     return {
-        "joint_names": list(go2.JOINT_NAMES),
-        "default_pose": list(go2.DEFAULT_JOINT_POSITION),
-        "kp": list(config.robot.kp) * go2.NUM_LEGS,
-        "kd": list(config.robot.kd) * go2.NUM_LEGS,
+        "robot": robot.name,
+        "joint_names": list(JOINT_NAMES),
+        "default_pose": list(robot.default_joint_position),
+        "kp": list(robot.pd_gain_p),
+        "kd": list(robot.pd_gain_d),
         "action_scale": config.robot.action_scale,
         "control_period": config.env.control_period_s,
         "skills": list(names(skills)),
@@ -82,7 +84,7 @@ def export_policy(run: Path, output: Path) -> Exported:
     require_packages()
     loaded = load_run(run)
     scale, described = loaded.config.robot.action_scale, metadata(loaded.config)
-    targets = JointTargets(loaded.actor, scale)
+    targets = JointTargets(build_robot(loaded.config.robot), loaded.actor, scale)
     model = policy_graph(loaded.actor, targets.default_pose, scale, described)
     difference = largest_difference(model, targets, _plausible_observations(loaded.actor))
     if not math.isfinite(difference):

@@ -9,7 +9,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from camp.common.errors import CampError
-from camp.robots.go2 import JOINT_NAMES, NUM_JOINTS
+from camp.robots.quadruped import JOINT_NAMES, NUM_JOINTS
+from camp.robots.registry import DEFAULT_ROBOT, ROBOTS
 
 LONGEST_PERIOD = 0.1  # s; a gait of 3 strides per second cannot be controlled, nor its contacts seen, more slowly
 ENTRY_SIZES = {
@@ -23,8 +24,11 @@ ENTRY_SIZES = {
 
 
 def read_metadata(properties: Mapping[str, str]) -> dict[str, Any]:
-    """A model's ``metadata_props``, each value as JSON, as plain values that fit the robot. Raises CampError."""
-    metadata: dict[str, Any] = {}
+    """A model's ``metadata_props``, each value as JSON, as plain values that fit the robot. Raises CampError.
+
+    A policy that names no robot is older than their names.
+    """
+    metadata: dict[str, Any] = {"robot": DEFAULT_ROBOT}
     for key, text in properties.items():
         try:
             metadata[key] = json.loads(text)
@@ -69,6 +73,7 @@ def _texts(value: Any) -> bool:
 
 
 _EXPECTED = {
+    "robot": (lambda v: isinstance(v, str) and v in ROBOTS, f"one of {', '.join(ROBOTS)}"),
     "joint_names": (lambda v: _texts(v) and sorted(v) == sorted(JOINT_NAMES), "the robot's 12 joints"),
     **dict.fromkeys(("default_pose", "kp", "kd"), (_of_every_joint, f"{NUM_JOINTS} finite numbers")),
     "action_scale": (_positive, "a finite number above 0"),

@@ -13,6 +13,9 @@ import numpy as np
 
 from camp.common.errors import CheckpointError
 from camp.config.schema import Config
+from camp.evaluation.report import Report
+from camp.evaluation.tables import verdict_markdown
+from camp.robots.registry import find_robot
 from camp.runs.folder import IMITATION, METRICS, VERSIONS, resumed_at
 from camp.runs.metrics import read_metrics
 
@@ -26,7 +29,7 @@ _PLACES = ("output_dir=", "motion.perturbed_folder=", "motion.folder=", "hydra."
 CARD = """\
 # {name}
 
-One policy for the Unitree Go2 with the skills {skills}. The folder is a small run folder
+One policy for the {robot} with the skills {skills}. The folder is a small run folder
 (docs/deployment.md): the networks and their normalizers, without anything to continue the training from.
 
 | | |
@@ -41,6 +44,11 @@ One policy for the Unitree Go2 with the skills {skills}. The folder is a small r
 
 Where the command names places of the machine or the logger, they are left out; `config.yaml` holds every value that was
 in effect.
+
+Judged by `python -m camp.evaluate`, suite {suite} (digest {digest}), docs/evaluation.md. What varies are the walks of
+this one policy: another seed of the training varies more.
+
+{verdict}
 
 | file | |
 |---|---|
@@ -95,7 +103,7 @@ def provenance(run: Path, iteration: int, config: Config, minutes: float | None)
     )
 
 
-def describe(name: str, made_by: Provenance) -> str:
+def describe(name: str, made_by: Provenance, report: Report) -> str:
     """The policy's README."""
     config, versions, git = made_by.config, made_by.versions, made_by.versions["git"] or {}
     resumed = ", resumed at " + ", ".join(map(str, made_by.resumed_at)) if made_by.resumed_at else ""
@@ -103,6 +111,7 @@ def describe(name: str, made_by: Provenance) -> str:
     whole = "" if made_by.minutes is None else f"{made_by.minutes:.1f} min, everything included; "
     return CARD.format(
         name=name,
+        robot=find_robot(config.robot.name).title,
         skills=", ".join(skill.name for skill in config.motion.skill_set()),
         command=versions["command"],
         seed=config.seed,
@@ -115,6 +124,9 @@ def describe(name: str, made_by: Provenance) -> str:
         cpus=versions["cpu_count"],
         backend=config.sim.backend,
         packages=", ".join(f"{package} {version}" for package, version in versions["packages"].items()),
+        suite=report.suite.name,
+        digest=report.suite.digest,
+        verdict=verdict_markdown(report.verdict),
         imitation=", `imitation.jsonl`" if made_by.imitated else "",
         rows=-(-made_by.rows // block),
         span="one for each iteration" if block == 1 else f"each the mean of {block} iterations",

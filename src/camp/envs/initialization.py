@@ -10,8 +10,9 @@ from camp.envs.commands import uniform
 from camp.envs.config import InitializationConfig
 from camp.envs.measurement import rotate
 from camp.motion.clips.sampler import ReferenceState
-from camp.robots import go2
 from camp.robots.kinematics import foot_position
+from camp.robots.quadruped import NUM_JOINTS
+from camp.robots.robot import Robot
 from camp.sim.base import InitialState, select
 
 
@@ -29,24 +30,24 @@ def from_reference(reference: ReferenceState) -> InitialState:
     )
 
 
-def standing(num: int, config: InitializationConfig, generator: torch.Generator) -> InitialState:
+def standing(robot: Robot, num: int, config: InitializationConfig, generator: torch.Generator) -> InitialState:
     """At rest, joints at the default pose times a random factor (Table I, "Initial Joint Positions").
 
     The base is raised or lowered so that the lowest foot just touches the ground.
     """
     device = generator.device
-    scale = uniform(config.joint_position_scale, (num, go2.NUM_JOINTS), generator)
-    joints = constant(go2.DEFAULT_JOINT_POSITION, scale) * scale
-    joints = joints.clamp(constant(go2.JOINT_LOWER, scale), constant(go2.JOINT_UPPER, scale))
+    scale = uniform(config.joint_position_scale, (num, NUM_JOINTS), generator)
+    joints = constant(robot.default_joint_position, scale) * scale
+    joints = joints.clamp(constant(robot.joint_lower, scale), constant(robot.joint_upper, scale))
     position = torch.zeros(num, 3, device=device)
-    position[:, 2] = go2.FOOT_RADIUS - foot_position(joints)[..., 2].amin(dim=1)
+    position[:, 2] = robot.leg.foot_radius - foot_position(robot.leg, joints)[..., 2].amin(dim=1)
     return InitialState(
         base_position=position,
         base_quaternion=constant((1.0, 0.0, 0.0, 0.0), scale).expand(num, 4),
         base_linear_velocity=torch.zeros(num, 3, device=device),
         base_angular_velocity=torch.zeros(num, 3, device=device),
         joint_position=joints,
-        joint_velocity=torch.zeros(num, go2.NUM_JOINTS, device=device),
+        joint_velocity=torch.zeros(num, NUM_JOINTS, device=device),
     )
 
 

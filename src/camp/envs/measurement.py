@@ -8,9 +8,10 @@ import torch
 from torch import Tensor
 
 from camp.common.tensors import constant
-from camp.robots import go2
 from camp.robots.amp_state import amp_parts
 from camp.robots.kinematics import foot_position, foot_velocity
+from camp.robots.quadruped import CONTACT_FORCE, NUM_LEGS
+from camp.robots.robot import Robot
 from camp.sim.base import RobotState
 
 
@@ -57,8 +58,8 @@ class Measurement:
         return torch.cat(amp_parts(values), dim=1)
 
 
-def measure(state: RobotState) -> Measurement:
-    """Derive a ``Measurement`` from the simulator's state."""
+def measure(robot: Robot, state: RobotState) -> Measurement:
+    """Derive a ``Measurement`` of N copies of a robot from the simulator's state."""
     down = constant((0.0, 0.0, -1.0), state.base_position).expand_as(state.base_position)
     return Measurement(
         base_position=state.base_position,
@@ -67,26 +68,33 @@ def measure(state: RobotState) -> Measurement:
         gravity=rotate_inverse(state.base_quaternion, down),
         joint_position=state.joint_position,
         joint_velocity=state.joint_velocity,
-        foot_position=foot_position(state.joint_position),
-        foot_contact=state.foot_force.norm(dim=-1) > go2.CONTACT_FORCE,
+        foot_position=foot_position(robot.leg, state.joint_position),
+        foot_contact=state.foot_force.norm(dim=-1) > CONTACT_FORCE,
         body_force=state.body_force.norm(dim=-1),
     )
 
 
-def sliding_speed(measurement: Measurement) -> Tensor:
+def sliding_speed(robot: Robot, measurement: Measurement) -> Tensor:
     """Speed over the ground of the point of each foot's sphere that is lowest, (N, 4) m/s.
 
     A foot that rolls without sliding has 0, although its centre moves.
     """
-    omega = measurement.angular_velocity[:, None].expand(-1, go2.NUM_LEGS, -1)  # rad/s, base frame
+    omega = measurement.angular_velocity[:, None].expand(-1, NUM_LEGS, -1)  # rad/s, base frame
     centre = measurement.linear_velocity[:, None] + torch.linalg.cross(omega, measurement.foot_position)
-    centre = centre + foot_velocity(measurement.joint_position, measurement.joint_velocity)
-    hip, thigh, calf = measurement.joint_velocity.unflatten(1, (go2.NUM_LEGS, 3)).unbind(-1)
+    centre = centre + foot_velocity(robot.leg, measurement.joint_position, measurement.joint_velocity)
+    hip, thigh, calf = measurement.joint_velocity.unflatten(1, (NUM_LEGS, 3)).unbind(-1)
     angle = measurement.joint_position[:, 0::3]
     # The thigh's and the calf's axes lie along y, turned about x by the hip.
     bend = thigh + calf
     turning = omega + torch.stack([hip, bend * torch.cos(angle), bend * torch.sin(angle)], dim=-1)
-    lowest = go2.FOOT_RADIUS * measurement.gravity[:, None].expand(-1, go2.NUM_LEGS, -1)
+    lowest = robot.leg.foot_radius * measurement.gravity[:, None].expand(-1, NUM_LEGS, -1)
     velocity = centre + torch.linalg.cross(turning, lowest)
     down = measurement.gravity[:, None]
     return (velocity - (velocity * down).sum(dim=-1, keepdim=True) * down).norm(dim=-1)
+
+
+def foot_height(robot: Robot, measurement: Measurement) -> Tensor:
+    """Height of each foot's lowest point above flat ground, (N, 4) m; below 0 where the soft ground gives way."""
+    down = measurement.gravity[:, None]
+    below = (measurement.foot_position * down).sum(dim=-1) + robot.leg.foot_radius
+    return measurement.base_position[:, 2:] - below

@@ -16,7 +16,7 @@ from camp.common.errors import ConfigError
 from camp.common.tensors import constant
 from camp.envs.config import NoiseConfig
 from camp.envs.situation import Situation
-from camp.robots import go2
+from camp.robots.quadruped import NUM_JOINTS, NUM_LEGS
 from camp.sim.base import LINK_NAMES
 
 PER_SKILL = 0  # the size of an entry with one number for each skill
@@ -70,17 +70,17 @@ def command(s: Situation) -> Tensor:
     return s.command
 
 
-@observation_entry(go2.NUM_JOINTS, "rad", "joint, from the default pose", "joint_position_rad")
+@observation_entry(NUM_JOINTS, "rad", "joint, from the default pose", "joint_position_rad")
 def joint_position(s: Situation) -> Tensor:
-    return s.measurement.joint_position - constant(s.setup.default_pose, s.command)
+    return s.measurement.joint_position - constant(s.setup.robot.default_joint_position, s.command)
 
 
-@observation_entry(go2.NUM_JOINTS, "rad/s", "joint", "joint_velocity_rad_s")
+@observation_entry(NUM_JOINTS, "rad/s", "joint", "joint_velocity_rad_s")
 def joint_velocity(s: Situation) -> Tensor:
     return s.measurement.joint_velocity
 
 
-@observation_entry(go2.NUM_JOINTS, "1", "joint, in action scales")
+@observation_entry(NUM_JOINTS, "1", "joint, in action scales")
 def last_action(s: Situation) -> Tensor:
     return s.last_action
 
@@ -100,7 +100,7 @@ def base_height(s: Situation) -> Tensor:
     return s.measurement.base_position[:, 2:]
 
 
-@observation_entry(go2.NUM_LEGS, "0 or 1", "-")
+@observation_entry(NUM_LEGS, "0 or 1", "-")
 def foot_contact(s: Situation) -> Tensor:
     return s.foot_contact
 
@@ -131,17 +131,17 @@ def friction(s: Situation) -> Tensor:
     return s.dynamics.friction[:, None]
 
 
-@observation_entry(go2.NUM_JOINTS, "1", "joint")
+@observation_entry(NUM_JOINTS, "1", "joint")
 def motor_strength(s: Situation) -> Tensor:
     return s.dynamics.motor_strength
 
 
-@observation_entry(go2.NUM_JOINTS, "1", "joint")
+@observation_entry(NUM_JOINTS, "1", "joint")
 def kp_scale(s: Situation) -> Tensor:
     return s.dynamics.kp_scale
 
 
-@observation_entry(go2.NUM_JOINTS, "1", "joint")
+@observation_entry(NUM_JOINTS, "1", "joint")
 def kd_scale(s: Situation) -> Tensor:
     return s.dynamics.kd_scale
 

@@ -25,8 +25,8 @@ from camp.envs.skill_schedule import SkillSchedule
 from camp.envs.starts import Starts, draw_starts
 from camp.envs.terminations import failed
 from camp.motion.clips.sampler import ReferenceStates
-from camp.robots import go2
 from camp.robots.amp_state import AMP_STATE_SIZE, amp_slice
+from camp.robots.quadruped import NUM_JOINTS
 from camp.sim.base import Dynamics, Simulator, select
 
 # The observation's bound for values that a diverging simulation produces; far beyond anything physical.
@@ -67,24 +67,18 @@ class QuadrupedEnv(VectorEnv):
         generator: torch.Generator,
     ):
         self.sim = sim
+        self.robot = sim.robot
         self.config = config
         self.action_scale = action_scale
         self.references = references
         self.num_envs = sim.num_envs
         self.num_skills = references.num_skills
-        self.setup = Setup(
-            self.num_skills,
-            config.observe_skill,
-            go2.DEFAULT_JOINT_POSITION,
-            action_scale,
-            sim.gains,
-            sim.control_period,
-        )
+        self.setup = Setup(self.robot, self.num_skills, config.observe_skill, action_scale, sim.control_period)
         self.actor_entries = observations.entries_of(config.observation.policy, self.num_skills)
         self.privileged_entries = observations.entries_of(config.observation.critic, self.num_skills)
         self.metadata = {"autoreset_mode": AutoresetMode.SAME_STEP}
         self.single_observation_space = _box(observations.size(self.actor_entries))
-        self.single_action_space = _box(go2.NUM_JOINTS)
+        self.single_action_space = _box(NUM_JOINTS)
         self.observation_space = gym.vector.utils.batch_space(self.single_observation_space, self.num_envs)
         self.action_space = gym.vector.utils.batch_space(self.single_action_space, self.num_envs)
 
@@ -102,14 +96,14 @@ class QuadrupedEnv(VectorEnv):
         self.step_count = torch.zeros(num, dtype=torch.int64, device=device)  # control steps into the episode
         self.command = torch.zeros(num, 3, device=device)  # vx, vy in m/s, yaw rate in rad/s
         self.skill = torch.zeros(num, dtype=torch.int64, device=device)
-        self.last_action = torch.zeros(num, go2.NUM_JOINTS, device=device)
+        self.last_action = torch.zeros(num, NUM_JOINTS, device=device)
         self._before = Before(self.last_action, self.last_action)
         self.average_velocity = torch.zeros(num, 3, device=device)  # of the last strides, as the reward takes it
         self.dynamics = Dynamics.nominal(num, config.randomization.nominal_friction, device)
         self._ages = tuple(config.transition_ages)
         self.amp_history = torch.zeros(num, self._ages[0], AMP_STATE_SIZE, device=device)  # the last A states
         self.num_diverged = torch.zeros((), dtype=torch.int64, device=device)  # simulations since construction
-        self.default_pose = constant(go2.DEFAULT_JOINT_POSITION, self.command)
+        self.default_pose = constant(self.robot.default_joint_position, self.command)
         self.observation = torch.zeros(num, observations.size(self.actor_entries), device=device)
         self.privileged = torch.zeros(num, observations.size(self.privileged_entries), device=device)
 
@@ -152,7 +146,7 @@ class QuadrupedEnv(VectorEnv):
         self.sim.step(self.default_pose + self.action_scale * action)
         self.step_count = self.step_count + 1
 
-        measurement = measure(self.sim.state)
+        measurement = measure(self.robot, self.sim.state)
         diverged = self.sim.diverged()
         self.num_diverged = self.num_diverged + diverged.sum()
         # A robot whose simulation diverged has no successor state; a pair that stands still keeps it finite.
@@ -203,7 +197,7 @@ class QuadrupedEnv(VectorEnv):
         self.command, self.skill = command.clone(), skill.clone()
         if self.config.command.source == EXTERNAL:
             self._take_starts(replace(self._starts, command=self.command, skill=self.skill))
-        self.observation, self.privileged = self._observe(self._situation(measure(self.sim.state)))
+        self.observation, self.privileged = self._observe(self._situation(measure(self.robot, self.sim.state)))
         return self.observation
 
     def state_dict(self) -> dict[str, Any]:
@@ -267,7 +261,7 @@ class QuadrupedEnv(VectorEnv):
             ranges = randomization_at(self.difficulty, self.config.randomization)
             dynamics = sample_dynamics(self.num_envs, ranges, self._generator)
         skill = sample_skills(self.num_envs, self.num_skills, self._generator, self.skill_schedule)
-        starts = draw_starts(self.config, self.references, self._generator, dynamics, skill)
+        starts = draw_starts(self.robot, dynamics, skill, self.config, self.references, self._generator)
         if self.config.command.source == EXTERNAL:
             starts = replace(starts, command=self.command, skill=self.skill)
         self.sim.prepare(starts.dynamics)
@@ -276,7 +270,7 @@ class QuadrupedEnv(VectorEnv):
 
     def _take_starts(self, starts: Starts) -> None:
         """Keep the starts for the episodes that begin, and what is observed in them."""
-        measurement, action = measure(starts.initial.robot_state()), self._action_before(starts)
+        measurement, action = measure(self.robot, starts.initial.robot_state()), self._action_before(starts)
         self._starts = starts
         situation = Situation(
             self.setup,

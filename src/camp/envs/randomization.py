@@ -8,7 +8,7 @@ import torch
 
 from camp.envs.commands import uniform
 from camp.envs.config import RandomizationConfig
-from camp.robots import go2
+from camp.robots.quadruped import NUM_JOINTS
 from camp.sim.base import LINK_NAMES, Dynamics
 
 _ABOUT_ONE = ("link_mass_scale", "motor_strength_scale", "kp_scale", "kd_scale")
@@ -24,9 +24,9 @@ def sample_dynamics(num: int, config: RandomizationConfig, generator: torch.Gene
         payload_mass=uniform(config.payload_mass_kg, (num,), generator),
         payload_position=uniform(config.payload_position_m, (num, 3), generator),
         friction=uniform(config.friction, (num,), generator),
-        motor_strength=uniform(config.motor_strength_scale, (num, go2.NUM_JOINTS), generator),
-        kp_scale=uniform(config.kp_scale, (num, go2.NUM_JOINTS), generator),
-        kd_scale=uniform(config.kd_scale, (num, go2.NUM_JOINTS), generator),
+        motor_strength=uniform(config.motor_strength_scale, (num, NUM_JOINTS), generator),
+        kp_scale=uniform(config.kp_scale, (num, NUM_JOINTS), generator),
+        kd_scale=uniform(config.kd_scale, (num, NUM_JOINTS), generator),
     )
 
 

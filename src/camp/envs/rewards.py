@@ -74,7 +74,7 @@ def joint_acceleration(s: Situation) -> Tensor:
 @reward_term
 def foot_slip(s: Situation) -> Tensor:
     """Sum over the feet in contact of v^2, (m/s)^2: how fast the point on the ground slides."""
-    return (sliding_speed(s.measurement).square() * s.foot_contact).sum(dim=1)
+    return (sliding_speed(s.setup.robot, s.measurement).square() * s.foot_contact).sum(dim=1)
 
 
 @reward_term

@@ -10,7 +10,8 @@ from torch import Tensor
 
 from camp.common.tensors import constant
 from camp.envs.measurement import Measurement
-from camp.sim.base import Dynamics, Gains
+from camp.robots.robot import Robot
+from camp.sim.base import Dynamics
 from camp.sim.motors import MotorLaw
 
 
@@ -18,11 +19,10 @@ from camp.sim.motors import MotorLaw
 class Setup:
     """What is the same for all robots and at all times."""
 
+    robot: Robot  # with the nominal gains of the PD law
     num_skills: int  # K
     observe_skill: bool  # false: an ablation hides the skill
-    default_pose: tuple[float, ...]  # (12,) rad
     action_scale: float  # rad per unit of the network's output
-    gains: Gains  # of the PD law
     control_period: float  # s
 
 
@@ -56,14 +56,14 @@ class Situation:
     @cached_property
     def joint_target(self) -> Tensor:
         """(N, 12) rad, held during the step: default pose + k action."""
-        pose = constant(self.setup.default_pose, self.last_action)
+        pose = constant(self.setup.robot.default_joint_position, self.last_action)
         return pose + self.setup.action_scale * self.last_action
 
     @cached_property
     def torque(self) -> Tensor:
         """(N, 12) N m, of the PD law with each robot's own motors, at the end of the step."""
         measured = self.measurement
-        law = MotorLaw.of(self.setup.gains, self.dynamics)
+        law = MotorLaw.of(self.setup.robot, self.dynamics)
         return law.torque(self.joint_target, measured.joint_position, measured.joint_velocity)
 
     @cached_property

@@ -14,7 +14,7 @@ from camp.envs.commands import sample_commands, uniform
 from camp.envs.config import EnvConfig
 from camp.envs.measurement import measure
 from camp.motion.clips.sampler import ReferenceStates
-from camp.robots import go2
+from camp.robots.robot import Robot
 from camp.sim.base import Dynamics, InitialState
 
 
@@ -40,11 +40,12 @@ class Starts:
 
 
 def draw_starts(
+    robot: Robot,
+    dynamics: Dynamics,
+    skill: Tensor,
     config: EnvConfig,
     references: ReferenceStates,
     generator: torch.Generator,
-    dynamics: Dynamics,
-    skill: Tensor,
 ) -> Starts:
     """Beginnings of N robots with these ``dynamics`` and labels (N,): a frame of one of the skill's clips, or a
     standing start."""
@@ -52,13 +53,13 @@ def draw_starts(
     reference = references.sample(skill, generator)
     at_reference = uniform((0.0, 1.0), (num,), generator) < init.reference_fraction
     initial = initialization.merge(
-        at_reference, initialization.from_reference(reference), initialization.standing(num, init, generator)
+        at_reference, initialization.from_reference(reference), initialization.standing(robot, num, init, generator)
     )
     command = sample_commands(num, config.command, generator)
     target = reference.joint_target_applied_previous
     row = at_reference[:, None]
     # Measured, not read: a clip's own last state may differ in the last digit. Who stands has stood before.
-    present = measure(initial.robot_state()).amp_state()[:, None]
+    present = measure(robot, initial.robot_state()).amp_state()[:, None]
     past = torch.where(row[..., None], reference.amp_history, present)
     # A robot set into a clip goes on with the clip's command, and remembers the clip's last target.
     return Starts(
@@ -67,6 +68,6 @@ def draw_starts(
         skill=skill,
         command=torch.where(row, reference.command, command),
         average_velocity=reference.command * row,
-        joint_target=torch.where(row, target, constant(go2.DEFAULT_JOINT_POSITION, target)),
+        joint_target=torch.where(row, target, constant(robot.default_joint_position, target)),
         amp_history=torch.cat([past[:, :-1], present], dim=1),
     )

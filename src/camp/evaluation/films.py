@@ -8,8 +8,8 @@ from pathlib import Path
 
 from camp.common.errors import CampError
 from camp.evaluation.config import EvaluationConfig
-from camp.evaluation.judge import Judgement
-from camp.robots import go2
+from camp.evaluation.evaluator import Judgement
+from camp.evaluation.robot import ROBOT
 from camp.sim.rendering import RobotRenderer, write_video
 
 STEPS_PER_FRAME = 2  # 25 frames per second
@@ -21,7 +21,7 @@ def film(judgement: Judgement, skills: Sequence[str], evaluation: EvaluationConf
     Without OpenGL none, and those that cannot be written are left out: a line on stderr says so.
     """
     try:
-        renderer = RobotRenderer(go2.load_model())
+        renderer = RobotRenderer(ROBOT.load_model())
     except CampError as error:
         print(f"no videos: {error}", file=sys.stderr)
         return {}

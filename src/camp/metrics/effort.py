@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from camp.robots.go2 import GRAVITY
+from camp.robots.quadruped import GRAVITY
 
 Array = NDArray[np.floating]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple, TypeVar
 
-from camp.robots.go2 import NUM_JOINTS, NUM_LEGS
+from camp.robots.quadruped import NUM_JOINTS, NUM_LEGS
 
 Array = TypeVar("Array")  # of numpy or torch
 

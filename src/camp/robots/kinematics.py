@@ -1,4 +1,4 @@
-"""Leg kinematics of the Go2 in closed form, batched in torch.
+"""Leg kinematics in closed form, batched in torch.
 
 All positions are of the foot sphere's centre in the base frame (x forward, y left, z up), in m; legs in the order
 of ``FOOT_NAMES``, joints hip, thigh, calf in rad.
@@ -6,56 +6,52 @@ of ``FOOT_NAMES``, joints hip, thigh, calf in rad.
 
 from __future__ import annotations
 
-import math
-
 import torch
 from torch import Tensor
 
 from camp.common.tensors import constant
-from camp.robots import go2
-
-_CALF = math.hypot(go2.CALF_LENGTH, go2.FOOT_OFFSET_X)  # m, calf joint to foot centre
-_CALF_ANGLE = math.atan2(-go2.FOOT_OFFSET_X, go2.CALF_LENGTH)  # rad, by which that line leans behind the calf's axis
+from camp.robots.quadruped import NUM_LEGS
+from camp.robots.robot import LegGeometry
 
 
-def _hip_position(like: Tensor) -> Tensor:
+def _hip_position(leg: LegGeometry, like: Tensor) -> Tensor:
     """Hip joints in the base frame, (4, 3) m."""
-    x, y = go2.HIP_X, go2.HIP_Y
+    x, y = leg.hip_x, leg.hip_y
     return constant((x, y, 0.0, x, -y, 0.0, -x, y, 0.0, -x, -y, 0.0), like).view(4, 3)
 
 
-def _thigh_offset(like: Tensor) -> Tensor:
+def _thigh_offset(leg: LegGeometry, like: Tensor) -> Tensor:
     """Signed lateral distance from hip joint to thigh joint, (4,) m: left legs positive."""
-    offset = go2.HIP_OFFSET
+    offset = leg.hip_offset
     return constant((offset, -offset, offset, -offset), like)
 
 
-def _leg_plane(joint: Tensor) -> tuple[Tensor, Tensor]:
+def _leg_plane(leg: LegGeometry, joint: Tensor) -> tuple[Tensor, Tensor]:
     """Foot relative to the thigh joint within the leg's plane: forward and (negative) downward parts, (..., 4) m."""
-    thigh, knee = joint[..., 1], joint[..., 1] + joint[..., 2] + _CALF_ANGLE
-    forward = -go2.THIGH_LENGTH * torch.sin(thigh) - _CALF * torch.sin(knee)
-    down = -go2.THIGH_LENGTH * torch.cos(thigh) - _CALF * torch.cos(knee)
+    thigh, knee = joint[..., 1], joint[..., 1] + joint[..., 2] + leg.shank_angle
+    forward = -leg.thigh_length * torch.sin(thigh) - leg.shank * torch.sin(knee)
+    down = -leg.thigh_length * torch.cos(thigh) - leg.shank * torch.cos(knee)
     return forward, down
 
 
-def foot_position(joint_position: Tensor) -> Tensor:
+def foot_position(leg: LegGeometry, joint_position: Tensor) -> Tensor:
     """Forward kinematics: joint positions (..., 12) to foot positions (..., 4, 3)."""
-    joint = joint_position.unflatten(-1, (go2.NUM_LEGS, 3))
-    forward, down = _leg_plane(joint)
+    joint = joint_position.unflatten(-1, (NUM_LEGS, 3))
+    forward, down = _leg_plane(leg, joint)
     sin, cos = torch.sin(joint[..., 0]), torch.cos(joint[..., 0])
-    offset = _thigh_offset(joint)
-    leg = torch.stack([forward, cos * offset - sin * down, sin * offset + cos * down], dim=-1)
-    return leg + _hip_position(joint)
+    offset = _thigh_offset(leg, joint)
+    from_hip = torch.stack([forward, cos * offset - sin * down, sin * offset + cos * down], dim=-1)
+    return from_hip + _hip_position(leg, joint)
 
 
-def foot_jacobian(joint_position: Tensor) -> Tensor:
+def foot_jacobian(leg: LegGeometry, joint_position: Tensor) -> Tensor:
     """d foot position / d joint position of each leg: (..., 12) to (..., 4, 3, 3), rows x, y, z."""
-    joint = joint_position.unflatten(-1, (go2.NUM_LEGS, 3))
-    forward, down = _leg_plane(joint)
+    joint = joint_position.unflatten(-1, (NUM_LEGS, 3))
+    forward, down = _leg_plane(leg, joint)
     sin, cos = torch.sin(joint[..., 0]), torch.cos(joint[..., 0])
-    offset = _thigh_offset(joint)
-    knee = joint[..., 1] + joint[..., 2] + _CALF_ANGLE
-    calf_forward, calf_down = -_CALF * torch.cos(knee), _CALF * torch.sin(knee)
+    offset = _thigh_offset(leg, joint)
+    knee = joint[..., 1] + joint[..., 2] + leg.shank_angle
+    calf_forward, calf_down = -leg.shank * torch.cos(knee), leg.shank * torch.sin(knee)
     zero = torch.zeros_like(forward)
     hip = torch.stack([zero, -sin * offset - cos * down, cos * offset - sin * down], dim=-1)
     thigh = torch.stack([down, sin * forward, -cos * forward], dim=-1)
@@ -63,28 +59,28 @@ def foot_jacobian(joint_position: Tensor) -> Tensor:
     return torch.stack([hip, thigh, calf], dim=-1)
 
 
-def foot_velocity(joint_position: Tensor, joint_velocity: Tensor) -> Tensor:
+def foot_velocity(leg: LegGeometry, joint_position: Tensor, joint_velocity: Tensor) -> Tensor:
     """d foot position / dt in the base frame: (..., 12) and (..., 12) rad/s to (..., 4, 3) m/s."""
-    rate = joint_velocity.unflatten(-1, (go2.NUM_LEGS, 3))
-    return (foot_jacobian(joint_position) @ rate.unsqueeze(-1)).squeeze(-1)
+    rate = joint_velocity.unflatten(-1, (NUM_LEGS, 3))
+    return (foot_jacobian(leg, joint_position) @ rate.unsqueeze(-1)).squeeze(-1)
 
 
-def inverse_kinematics(foot: Tensor) -> Tensor:
+def inverse_kinematics(leg: LegGeometry, foot: Tensor) -> Tensor:
     """Joint positions (..., 12) that put the feet at ``foot`` (..., 4, 3), knees bent backward.
 
     A target out of reach gives the joint positions of the nearest reachable leg length in its direction.
     """
-    relative = foot - _hip_position(foot)
-    offset = _thigh_offset(foot)
+    relative = foot - _hip_position(leg, foot)
+    offset = _thigh_offset(leg, foot)
     y, z = relative[..., 1], relative[..., 2]
     down = -torch.sqrt((y**2 + z**2 - offset**2).clamp_min(0.0))
     hip = torch.atan2(z, y) - torch.atan2(down, offset)
     hip = torch.atan2(torch.sin(hip), torch.cos(hip))
     forward = relative[..., 0]
     length_squared = forward**2 + down**2
-    cos_knee = (length_squared - go2.THIGH_LENGTH**2 - _CALF**2) / (2 * go2.THIGH_LENGTH * _CALF)
+    cos_knee = (length_squared - leg.thigh_length**2 - leg.shank**2) / (2 * leg.thigh_length * leg.shank)
     knee = -torch.acos(cos_knee.clamp(-1.0, 1.0))
     thigh = torch.atan2(-forward, -down) - torch.atan2(
-        _CALF * torch.sin(knee), go2.THIGH_LENGTH + _CALF * torch.cos(knee)
+        leg.shank * torch.sin(knee), leg.thigh_length + leg.shank * torch.cos(knee)
     )
-    return torch.stack([hip, thigh, knee - _CALF_ANGLE], dim=-1).flatten(-2)
+    return torch.stack([hip, thigh, knee - leg.shank_angle], dim=-1).flatten(-2)

@@ -8,12 +8,10 @@ from typing import Any, Protocol, Self
 import torch
 from torch import Tensor
 
-from camp.robots import go2
+from camp.robots.quadruped import FOOT_NAMES, JOINT_KINDS, NUM_JOINTS, NUM_LEGS
+from camp.robots.robot import Robot
 
-NUM_FELT_BODIES = 1 + go2.NUM_LEGS  # base and thighs, whose ground reactions the model's sensors report
-
-
-Gains = tuple[tuple[float, ...], tuple[float, ...]]  # kp in N m/rad and kd in N m s/rad, 12 values each
+NUM_FELT_BODIES = 1 + NUM_LEGS  # base and thighs, whose ground reactions the model's sensors report
 
 
 @dataclass
@@ -44,8 +42,8 @@ class RobotState:
             base_angular_velocity=qvel[:, 3:6],
             joint_position=qpos[:, 7:],
             joint_velocity=qvel[:, 6:],
-            foot_force=force[:, : go2.NUM_LEGS],
-            body_force=force[:, go2.NUM_LEGS :],
+            foot_force=force[:, :NUM_LEGS],
+            body_force=force[:, NUM_LEGS:],
         )
 
     def qpos(self) -> Tensor:
@@ -77,13 +75,13 @@ class InitialState:
         num, device = len(self.base_position), self.base_position.device
         return RobotState(
             **vars(self),
-            foot_force=torch.zeros(num, go2.NUM_LEGS, 3, device=device),
+            foot_force=torch.zeros(num, NUM_LEGS, 3, device=device),
             body_force=torch.zeros(num, NUM_FELT_BODIES, 3, device=device),
         )
 
 
 # Bodies whose mass "link mass" randomization scales: the trunk and the three links of each leg.
-LINK_NAMES = ("base", *(f"{leg}_{kind}" for leg in go2.FOOT_NAMES for kind in go2.JOINT_KINDS))
+LINK_NAMES = ("base", *(f"{leg}_{kind}" for leg in FOOT_NAMES for kind in JOINT_KINDS))
 
 
 @dataclass
@@ -101,7 +99,7 @@ class Dynamics:
     @classmethod
     def nominal(cls, num: int, friction: float, device: torch.device) -> Self:
         """n robots as published, without payload."""
-        one = torch.ones(num, go2.NUM_JOINTS, device=device)
+        one = torch.ones(num, NUM_JOINTS, device=device)
         return cls(
             link_mass_scale=torch.ones(num, len(LINK_NAMES), device=device),
             payload_mass=torch.zeros(num, device=device),
@@ -131,7 +129,7 @@ def select(mask: Tensor, chosen: Tensor, other: Tensor) -> Tensor:
 
 
 class Simulator(Protocol):
-    """N robots on flat ground, stepped together at the control rate; all tensors are on ``device``.
+    """N copies of one robot on flat ground, stepped together at the control rate; all tensors are on ``device``.
 
     Joint targets go through a PD law inside the simulator: at every physics step the torque is
     strength * (kp_scale kp (target - q) - kd_scale kd q'), clipped at the joint's torque limit.
@@ -139,10 +137,10 @@ class Simulator(Protocol):
     On an accelerator none of the methods that are called at every step makes the host wait for it.
     """
 
+    robot: Robot  # with the nominal gains of the PD law
     num_envs: int
     device: torch.device
     control_period: float  # s
-    gains: Gains  # nominal ones of the PD law
 
     @property
     def state(self) -> RobotState:

@@ -10,9 +10,9 @@ import torch
 from mujoco.batch import Batch
 from torch import Tensor
 
-from camp.robots import go2
+from camp.robots.robot import Robot
 from camp.sim.base import Dynamics, InitialState, RobotState
-from camp.sim.parameters import FIELD_NAMES, NOMINAL_GAINS, Gains, ModelFields, nominal_friction
+from camp.sim.parameters import FIELD_NAMES, ModelFields, nominal_friction
 
 # The rows that make up a simulation between two control steps (mjSTATE_INTEGRATION without the unused parts).
 _STATE_FIELDS = ("time", "qpos", "qvel", "qacc_warmstart", "ctrl")
@@ -22,25 +22,19 @@ class CpuSimulator:
     """The ``Simulator`` protocol on ``mujoco.batch.Batch``; bit-identical at any number of threads.
 
     Args:
+        robot: with the nominal PD gains.
         num_envs: number of robots.
         control_period: s, held target per ``step``; a multiple of ``physics_timestep``.
         physics_timestep: s.
         threads: simulation threads, 0 for one per processor.
-        gains: nominal PD gains.
     """
 
-    def __init__(
-        self,
-        num_envs: int,
-        control_period: float,
-        physics_timestep: float,
-        threads: int,
-        gains: Gains = NOMINAL_GAINS,
-    ):
+    def __init__(self, robot: Robot, num_envs: int, control_period: float, physics_timestep: float, threads: int):
+        self.robot = robot
         self.num_envs = num_envs
         self.device = torch.device("cpu")
-        self.control_period, self.gains = control_period, gains
-        self.model = go2.load_model(physics_timestep)
+        self.control_period = control_period
+        self.model = robot.load_model(physics_timestep)
         # MuJoCo would silently reset a simulation that diverges; it must stay visible instead.
         self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         self._substeps = round(control_period / physics_timestep)
@@ -49,7 +43,7 @@ class CpuSimulator:
         self._sensordata = self._batch.bind("sensordata")
         # Sensor values live in a copy of our own, so that a loaded checkpoint can restore them.
         self._forces = np.zeros((num_envs, self.model.nsensordata), dtype=np.float32)
-        self._fields = ModelFields(self.model, gains, self.device)
+        self._fields = ModelFields(self.model, robot, self.device)
         self._dynamics_rows = {name: self._batch.expand(name) for name in FIELD_NAMES}
         self.prepare(Dynamics.nominal(num_envs, nominal_friction(self.model), self.device))
         self._take_on_dynamics(np.arange(num_envs))

@@ -12,10 +12,11 @@ import warp as wp
 from torch import Tensor
 
 from camp.common.errors import SimulationError
-from camp.robots import go2
+from camp.robots.quadruped import NUM_JOINTS
+from camp.robots.robot import Robot
 from camp.sim.base import Dynamics, InitialState, RobotState, select
 from camp.sim.cuda_graph import CudaGraph
-from camp.sim.parameters import FIELD_NAMES, NOMINAL_GAINS, Gains, ModelFields, nominal_friction
+from camp.sim.parameters import FIELD_NAMES, ModelFields, nominal_friction
 
 wp.config.log_level = wp.LOG_WARNING  # or every kernel would be announced
 
@@ -38,25 +39,26 @@ class GpuSimulator:
     """The ``Simulator`` protocol on ``mujoco_warp``; float32, its arrays are shared with torch without copies.
 
     Args:
+        robot: with the nominal PD gains.
         num_envs: number of robots.
         control_period: s, held target per ``step``; a multiple of ``physics_timestep``.
         physics_timestep: s.
         settings: device and buffer sizes.
-        gains: nominal PD gains.
     """
 
     def __init__(
         self,
+        robot: Robot,
         num_envs: int,
         control_period: float,
         physics_timestep: float,
         settings: WarpSettings,
-        gains: Gains = NOMINAL_GAINS,
     ):
+        self.robot = robot
         self.num_envs = num_envs
         self.device = settings.device
-        self.control_period, self.gains = control_period, gains
-        self.model = go2.load_model(physics_timestep)
+        self.control_period = control_period
+        self.model = robot.load_model(physics_timestep)
         self._settings = settings
         batched = dict.fromkeys((*FIELD_NAMES, *_DERIVED_NAMES), num_envs)
         with wp.ScopedDevice(str(self.device)):
@@ -73,7 +75,7 @@ class GpuSimulator:
         self._acceleration = wp.to_torch(data.qacc_warmstart)  # where the constraint solver begins
         self._sensordata = wp.to_torch(data.sensordata)
         self._overflow = wp.to_torch(data.overflow)
-        self._next_dynamics = _NextDynamics(self.model, num_envs, gains, self.device)
+        self._next_dynamics = _NextDynamics(self.model, num_envs, robot, self.device)
         self._dynamics = {name: wp.to_torch(getattr(model, name)) for name in batched}
         substeps = round(control_period / physics_timestep)
 
@@ -150,8 +152,8 @@ class GpuSimulator:
 class _NextDynamics:
     """The model's fields behind the physical parameters that robots take on at their next reset."""
 
-    def __init__(self, model: mujoco.MjModel, num_envs: int, gains: Gains, device: torch.device):
-        self._values = ModelFields(model, gains, device)
+    def __init__(self, model: mujoco.MjModel, num_envs: int, robot: Robot, device: torch.device):
+        self._values = ModelFields(model, robot, device)
         names = (*FIELD_NAMES, *_DERIVED_NAMES)
         with wp.ScopedDevice(str(device)):
             prepared = mjw.put_model(model, batch_sizes=dict.fromkeys(names, num_envs))
@@ -181,5 +183,5 @@ def _standing(model: mujoco.MjModel, num: int, device: torch.device) -> InitialS
         base_linear_velocity=torch.zeros(num, 3, device=device),
         base_angular_velocity=torch.zeros(num, 3, device=device),
         joint_position=qpos[:, 7:],
-        joint_velocity=torch.zeros(num, go2.NUM_JOINTS, device=device),
+        joint_velocity=torch.zeros(num, NUM_JOINTS, device=device),
     )

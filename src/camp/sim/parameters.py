@@ -6,8 +6,9 @@ import mujoco
 import torch
 from torch import Tensor
 
-from camp.robots import go2
-from camp.sim.base import LINK_NAMES, Dynamics, Gains
+from camp.robots.quadruped import FOOT_NAMES
+from camp.robots.robot import Robot
+from camp.sim.base import LINK_NAMES, Dynamics
 
 # Fields that differ from robot to robot; what MuJoCo derives from them (``set_const``) is the backend's part.
 FIELD_NAMES: tuple[str, ...] = (
@@ -20,31 +21,30 @@ FIELD_NAMES: tuple[str, ...] = (
 )
 _PAYLOAD_RADIUS = 0.05  # m; the payload is a point, but MuJoCo wants a positive inertia where there is mass
 
-NOMINAL_GAINS: Gains = (go2.PD_GAIN_P, go2.PD_GAIN_D)
-
 
 def nominal_friction(model: mujoco.MjModel) -> float:
     """Foot-ground coefficient of the robot as published."""
-    return float(model.geom(f"{go2.FOOT_NAMES[0]}_foot").friction[0])
+    return float(model.geom(f"{FOOT_NAMES[0]}_foot").friction[0])
 
 
 class ModelFields:
     """Maps ``Dynamics`` to the model's fields.
 
     Args:
-        model: the nominal robot.
-        gains: nominal PD gains.
+        model: the nominal robot's.
+        robot: the nominal robot, for its PD gains.
         device: of the dynamics and of the fields.
     """
 
-    def __init__(self, model: mujoco.MjModel, gains: Gains, device: torch.device):
+    def __init__(self, model: mujoco.MjModel, robot: Robot, device: torch.device):
         def rows(ids: list[int]) -> Tensor:
             return torch.tensor(ids, device=device)
 
         self._nominal = {name: torch.tensor(getattr(model, name), device=device) for name in FIELD_NAMES}
         self._links = rows([model.body(name).id for name in LINK_NAMES])
-        self._feet = rows([model.geom(f"{leg}_foot").id for leg in go2.FOOT_NAMES])
+        self._feet = rows([model.geom(f"{leg}_foot").id for leg in FOOT_NAMES])
         self._payload = model.body("payload").id
+        gains = (robot.pd_gain_p, robot.pd_gain_d)
         self._kp, self._kd = (torch.tensor(gain, dtype=torch.float64, device=device) for gain in gains)
 
     def of(self, dynamics: Dynamics) -> dict[str, Tensor]:

@@ -9,14 +9,14 @@ import torch
 from torch import Tensor
 
 from camp.algo.imitation import ImitationData
-from camp.build import nominal_gains
+from camp.build import build_robot
 from camp.config.schema import Config
 from camp.envs import observations
 from camp.envs.measurement import Measurement, rotate_inverse
 from camp.envs.situation import Before, Setup, Situation
 from camp.gaits.skills import label_of
 from camp.motion.clips.clip import Clip
-from camp.robots import go2
+from camp.robots.robot import Robot
 from camp.sim.base import Dynamics
 
 
@@ -26,25 +26,18 @@ def imitation_data(clips: Sequence[Clip], config: Config, device: torch.device) 
     The first row is left out because the action before it is not known. The sensors' noise is left to the training,
     which draws it anew for every minibatch.
     """
-    skills = config.motion.skill_set()
+    robot, skills = build_robot(config.robot), config.motion.skill_set()
     entries = observations.entries_of(config.env.observation.policy, len(skills))
     labels = [label_of(clip.gait, clip.frequency_hz, skills) for clip in clips]
     shown = [(clip, label) for clip, label in zip(clips, labels, strict=True) if label is not None]
-    setup = Setup(
-        len(skills),
-        config.env.observe_skill,
-        go2.DEFAULT_JOINT_POSITION,
-        config.robot.action_scale,
-        nominal_gains(config),
-        config.env.control_period_s,
-    )
+    setup = Setup(robot, len(skills), config.env.observe_skill, config.robot.action_scale, config.env.control_period_s)
     situations = [_situation(clip, label, setup, config) for clip, label in shown]
     observation = torch.cat([observations.observe(entries, situation) for situation in situations])
     noise = config.env.noise
     answer = _rows(np.concatenate([clip.joint_target[1:] for clip, _ in shown]))
     return ImitationData(
         observation=observation.to(device),
-        action=_as_action(answer, config.robot.action_scale).to(device),
+        action=_as_action(robot, answer, config.robot.action_scale).to(device),
         last_action=observations.position(entries, "last_action"),
         sensor_noise=(observations.noise_width(entries, noise) * noise.enabled).to(device),
     )
@@ -65,7 +58,7 @@ def _situation(clip: Clip, label: int, setup: Setup, config: Config) -> Situatio
         foot_contact=torch.from_numpy(clip.foot_contact[1:].copy()),
         body_force=torch.zeros(num, 5),
     )
-    action = _as_action(_rows(clip.joint_target_applied[:-1]), setup.action_scale)
+    action = _as_action(setup.robot, _rows(clip.joint_target_applied[:-1]), setup.action_scale)
     return Situation(
         setup=setup,
         measurement=measurement,
@@ -78,9 +71,9 @@ def _situation(clip: Clip, label: int, setup: Setup, config: Config) -> Situatio
     )
 
 
-def _as_action(target: Tensor, scale: float) -> Tensor:
+def _as_action(robot: Robot, target: Tensor, scale: float) -> Tensor:
     """The network output that asks for a joint target (..., 12) rad."""
-    return (target - torch.tensor(go2.DEFAULT_JOINT_POSITION)) / scale
+    return (target - torch.tensor(robot.default_joint_position)) / scale
 
 
 def _rows(values: np.ndarray) -> Tensor:

@@ -27,7 +27,10 @@ from camp.motion.clips.store import load_clip
 from camp.motion.dataset import generate, recording, requests
 from camp.motion.dataset.generate import generate_dataset
 from camp.motion.dataset.requests import ClipRequest, perturbed_requests
-from camp.robots import go2
+from camp.robots import quadruped
+from camp.robots import robot as robot_module
+from camp.robots.registry import find_robot
+from camp.robots.robot import Robot
 from camp.training.imitation_data import imitation_data
 
 START_S = 0.5  # of a perturbed clip: the slowest gait's first stride
@@ -70,26 +73,27 @@ def perturbed_clips(config: Config) -> list[Clip]:
 
     With ``motion.mirrored`` each is followed by its mirror image without the start.
     """
-    wanted = config.motion
+    robot, wanted = find_robot(config.robot.name), config.motion
     cells = [(gait, frequency) for gait in wanted.skills for frequency in wanted.frequencies_hz]
     requests = perturbed_requests(wanted.perturbed_clips, PERTURBED_SEED, cells)
-    version = _expert_version(wanted.skills)
+    version = _expert_version(robot, wanted.skills)
     folder = Path(wanted.perturbed_folder or Path(config.output_dir) / "motions" / f"perturbed-{version}")
     with folder_lock(folder):  # jobs of a sweep want the same clips
-        _generate_missing(requests, folder)
+        _generate_missing(robot, requests, folder)
     made = [path for path in (folder / f"{request.name}.npz" for request in requests) if path.is_file()]
     # A few noisy clips end in a fall and are not kept; many would mean that something is wrong.
     if len(made) < 0.7 * len(requests):
         raise ClipError(
-            f"perturbed clips in {folder}: {len(made)} of {len(requests)} could be made; see why with `python -m "
-            f"camp.dataset perturbed --count {wanted.perturbed_clips} --seed {PERTURBED_SEED} --folder {folder}`, "
+            f"perturbed clips in {folder}: {len(made)} of {len(requests)} could be made; see why with "
+            f"`python -m camp.dataset perturbed --robot {robot.name} --count {wanted.perturbed_clips} "
+            f"--seed {PERTURBED_SEED} --folder {folder}`, "
             "or train with run=scratch"
         )
     clips = [load_clip(path) for path in made]
     return [one for clip in clips for one in (clip, _under_way(mirrored(clip)))] if wanted.mirrored else clips
 
 
-def _generate_missing(requests: list[ClipRequest], folder: Path) -> None:
+def _generate_missing(robot: Robot, requests: list[ClipRequest], folder: Path) -> None:
     """Generate the clips that are not there. Those that end in a fall are noted, for the next run not to try again."""
     note = folder / "failed.txt"
     failed = set(note.read_text().split()) if note.is_file() else set()
@@ -98,7 +102,7 @@ def _generate_missing(requests: list[ClipRequest], folder: Path) -> None:
         return
     with Progress() as progress, note.open("a") as file:
         task = progress.add_task(f"perturbed clips in {folder}", total=len(wanted))
-        for outcome in generate_dataset(wanted, folder, workers=os.cpu_count() or 1):
+        for outcome in generate_dataset(robot, wanted, folder, workers=os.cpu_count() or 1):
             if outcome.status == "failed":
                 file.write(f"{outcome.request.name}\n")
             progress.advance(task)
@@ -115,11 +119,12 @@ def _under_way(clip: Clip) -> Clip:
     return replace(clip, **{name: rows[first:] for name, rows in arrays.items() if len(rows) == len(clip)})
 
 
-def _expert_version(gaits: Sequence[str]) -> str:
+def _expert_version(robot: Robot, gaits: Sequence[str]) -> str:
     """Eight letters that change with what the clips depend on: the robot, these gaits, the expert and the requests."""
-    modules = (go2, schedule, requests, generate, recording)
-    sources = [go2.MODEL_PATH, *(Path(str(module.__file__)) for module in modules)]
+    numbers = {name: value for name, value in vars(robot).items() if name not in ("title", "model_path")}
+    modules = (quadruped, robot_module, schedule, requests, generate, recording)
+    sources = [robot.model_path, *(Path(str(module.__file__)) for module in modules)]
     sources += sorted(Path(str(expert.__file__)).parent.glob("*.py"))
     timing = [GRID_STEPS, *((name, GAITS[name].phases, dict(GAITS[name].duty)) for name in gaits)]
-    content = [repr(timing).encode(), *(source.read_bytes() for source in sources)]
+    content = [repr(numbers).encode(), repr(timing).encode(), *(source.read_bytes() for source in sources)]
     return hashlib.sha256(b"".join(content)).hexdigest()[:8]

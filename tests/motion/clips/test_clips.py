@@ -15,7 +15,8 @@ from camp.motion.clips.clip import Clip, amp_state
 from camp.motion.clips.mirror import mirrored
 from camp.motion.clips.store import load_clip, load_clips, save_clip
 from camp.robots import kinematics
-from camp.robots.go2 import DEFAULT_JOINT_POSITION, FOOT_NAMES, JOINT_NAMES, STANDING_HEIGHT
+from camp.robots.go2 import GO2
+from camp.robots.quadruped import FOOT_NAMES, JOINT_NAMES
 
 STEPS = 6
 
@@ -49,8 +50,8 @@ def make_clip(gait: str = "trot", varying: bool = False) -> Clip:
 
 def still_clip(gait: str = "trot", split: str = "steady") -> Clip:
     """A clip that agrees with itself: the robot stands in its default pose."""
-    pose = np.tile(np.array(DEFAULT_JOINT_POSITION, dtype=np.float32), (STEPS, 1))
-    feet = kinematics.foot_position(torch.from_numpy(pose)).numpy()
+    pose = np.tile(np.array(GO2.default_joint_position, dtype=np.float32), (STEPS, 1))
+    feet = kinematics.foot_position(GO2.leg, torch.from_numpy(pose)).numpy()
 
     def rows(*values: float) -> np.ndarray:
         return np.tile(np.array(values, dtype=np.float32), (STEPS, 1))
@@ -58,7 +59,7 @@ def still_clip(gait: str = "trot", split: str = "steady") -> Clip:
     return replace(
         make_clip(gait),
         split=split,
-        base_position=rows(0, 0, STANDING_HEIGHT),
+        base_position=rows(0, 0, GO2.standing_height),
         base_quaternion=rows(1, 0, 0, 0),
         joint_position=pose,
         joint_velocity=rows(*[0.0] * 12),
@@ -245,7 +246,7 @@ def test_two_that_write_one_clip_do_not_tear_it(path: Path) -> None:
 def test_folder_keeps_the_skills_asked_for(tmp_path: Path) -> None:
     for name, gait in (("b", "trot"), ("a", "pace"), ("c", "bound")):
         save_clip(tmp_path / f"{name}.npz", still_clip(gait))
-    assert [clip.gait for clip in load_clips(tmp_path, ["trot", "pace"])] == ["pace", "trot"]
+    assert [clip.gait for clip in load_clips(GO2, tmp_path, ["trot", "pace"])] == ["pace", "trot"]
 
 
 def test_folder_keeps_the_splits_asked_for(tmp_path: Path) -> None:
@@ -253,18 +254,18 @@ def test_folder_keeps_the_splits_asked_for(tmp_path: Path) -> None:
     for index, split in enumerate(splits):
         save_clip(tmp_path / f"{index}.npz", still_clip(split=split))
     save_clip(tmp_path / "5.npz", replace(still_clip("stand", "stand"), frequency_hz=0.0))
-    assert [clip.split for clip in load_clips(tmp_path, ["trot"])] == ["steady", "varied", "recovery"]
-    assert [clip.split for clip in load_clips(tmp_path, ["trot"], ["transition"])] == ["transition"]
-    assert [clip.gait for clip in load_clips(tmp_path, ["stand"], ["stand"])] == ["stand"]
+    assert [clip.split for clip in load_clips(GO2, tmp_path, ["trot"])] == ["steady", "varied", "recovery"]
+    assert [clip.split for clip in load_clips(GO2, tmp_path, ["trot"], ["transition"])] == ["transition"]
+    assert [clip.gait for clip in load_clips(GO2, tmp_path, ["stand"], ["stand"])] == ["stand"]
     with pytest.raises(ClipError, match=r"skill 'stand' has no clip .*found: trot\)"):
-        load_clips(tmp_path, ["stand"])
+        load_clips(GO2, tmp_path, ["stand"])
     with pytest.raises(ClipError, match="split 'steedy' is unknown; choose from steady"):
-        load_clips(tmp_path, ["trot"], ["steedy"])
+        load_clips(GO2, tmp_path, ["trot"], ["steedy"])
 
 
 def test_folder_gives_mirror_images(tmp_path: Path) -> None:
     save_clip(tmp_path / "clip.npz", still_clip())
-    clip, image = load_clips(tmp_path, ["trot"], with_mirrored=True)
+    clip, image = load_clips(GO2, tmp_path, ["trot"], with_mirrored=True)
     np.testing.assert_array_equal(image.foot_contact, mirrored(clip).foot_contact)
 
 
@@ -272,19 +273,19 @@ def test_loading_refuses_what_does_not_move_as_it_says(tmp_path: Path) -> None:
     clip = still_clip()
     save_clip(tmp_path / "clip.npz", replace(clip, foot_position=clip.foot_position[:, [1, 0, 3, 2]]))
     with pytest.raises(ClipError, match=r"clip.npz: foot off its leg \(m\) .* camp.dataset validate"):
-        load_clips(tmp_path, ["trot"])
+        load_clips(GO2, tmp_path, ["trot"])
 
 
 def test_skill_without_clips(tmp_path: Path) -> None:
     save_clip(tmp_path / "clip.npz", still_clip())
     with pytest.raises(ClipError, match=r"skill 'pronk' has no clip .*found: trot.*python -m camp\.dataset"):
-        load_clips(tmp_path, ["trot", "pronk"])
+        load_clips(GO2, tmp_path, ["trot", "pronk"])
 
 
 @pytest.mark.parametrize("folder", ["missing", "."])
 def test_folder_without_clips(tmp_path: Path, folder: str) -> None:
     with pytest.raises(ClipError, match="no clips in"):
-        load_clips(tmp_path / folder, ["trot"])
+        load_clips(GO2, tmp_path / folder, ["trot"])
 
 
 def test_amp_state_is_in_the_papers_order() -> None:

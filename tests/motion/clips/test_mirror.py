@@ -10,6 +10,7 @@ from camp.motion.clips.clip import Clip
 from camp.motion.clips.mirror import mirrored
 from camp.motion.clips.store import load_clip
 from camp.motion.dataset.validate import check_clip, heading_velocity, replay_error
+from camp.robots.go2 import GO2
 
 FOLDER = assets_root() / "motions" / "go2"
 NAMES = (
@@ -26,11 +27,11 @@ def clip(request: pytest.FixtureRequest) -> Clip:
 
 
 def test_mirrored_clip_replays_as_well_as_its_twin(clip: Clip) -> None:
-    assert replay_error(mirrored(clip)) < replay_error(clip) + 0.01
+    assert replay_error(GO2, mirrored(clip)) < replay_error(GO2, clip) + 0.01
 
 
 def test_mirrored_clip_passes_every_check(clip: Clip) -> None:
-    assert [str(check) for check in check_clip(mirrored(clip)) if not check.passed] == []
+    assert [str(check) for check in check_clip(GO2, mirrored(clip)) if not check.passed] == []
 
 
 def test_mirroring_twice_gives_the_clip_back(clip: Clip) -> None:

@@ -12,7 +12,7 @@ from camp.common.errors import ClipError
 from camp.gaits.skills import Skill, skill_set
 from camp.motion.clips.clip import Clip, amp_state
 from camp.motion.clips.sampler import Demonstrations, ReferenceStates, transitions
-from camp.robots.go2 import FOOT_NAMES, JOINT_NAMES
+from camp.robots.quadruped import FOOT_NAMES, JOINT_NAMES
 
 SKILLS = skill_set(("trot", "pace", "bound"), "gait", ())
 

@@ -11,7 +11,7 @@ import pytest
 
 from camp.build import expert_clips
 from camp.common.errors import ClipError, ConfigError
-from camp.common.paths import assets_root
+from camp.common.paths import assets_root, repository_root
 from camp.config.compose import compose_config
 from camp.gaits.skills import label_of
 from camp.motion.clips.store import load_clip, save_clip
@@ -80,6 +80,17 @@ def test_a_folder_of_other_clips_alone(tmp_path: Path) -> None:
     save_clip(tmp_path / "stand.npz", load_clip(FOLDER / "stand_low.npz"))
     with pytest.raises(ClipError, match=r"no clip in .* is for training \(steady, varied, recovery\)"):
         clips_for(tmp_path)
+
+
+def test_the_documented_command_trains_on_imported_clips(tmp_path: Path) -> None:
+    root = repository_root()
+    assert root is not None
+    text = (root / "docs" / "motions.md").read_text(encoding="utf-8")
+    command = text[text.index("python -m camp.train run=scratch") :].partition("\n\n")[0].replace("\\\n", " ")
+    overrides = command.split()[3:]
+    found = [("trot", 1.82), ("trot", 2.15), ("pace", 1.57), ("trot", 3.0)]
+    folder = folder_of(tmp_path, found)
+    assert clips_for(folder, *(o for o in overrides if not o.startswith("motion.folder="))) == found[:3]
 
 
 @pytest.mark.parametrize("frequencies", ["[1.8]", "[2,2.5]"])

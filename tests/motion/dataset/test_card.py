@@ -13,6 +13,7 @@ from camp.motion.clips.clip import SPLITS
 from camp.motion.clips.store import load_clip, save_clip
 from camp.motion.dataset.card import KEYS, SPLIT_MEANING, dataset_card
 from camp.motion.dataset.validate import check_clip
+from camp.robots.go2 import GO2
 
 FOLDER = assets_root() / "motions" / "go2"
 NAMES = ("pace_2hz_left_0.25", "trot_2hz_in_place", "trot_3hz_forward_0.6")
@@ -26,8 +27,8 @@ def test_every_key_and_split_is_explained() -> None:
 
 def test_card_counts_and_grades() -> None:
     clips = {name: load_clip(FOLDER / f"{name}.npz") for name in NAMES}
-    results = {name: check_clip(clip, replay=False) for name, clip in clips.items()}
-    text = dataset_card(clips, results, size=225_000)
+    results = {name: check_clip(GO2, clip, replay=False) for name, clip in clips.items()}
+    text = dataset_card(GO2, clips, results, size=225_000)
     assert "3 clips, 600 rows, 0.2 minutes, 0.2 MB" in text
     assert "3 of 3 pass" in text
     assert "| trot | 2 | 1 |" in text

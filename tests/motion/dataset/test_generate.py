@@ -24,7 +24,8 @@ from camp.motion.dataset.requests import (
     shipped_requests,
 )
 from camp.motion.dataset.validate import check_clip, heading_velocity
-from camp.robots.go2 import FOOT_NAMES, load_model
+from camp.robots.go2 import GO2
+from camp.robots.quadruped import FOOT_NAMES
 
 STEPS = 50  # 1 s
 STEADY = ClipRequest("trot", 3.0, (0.4, 0.0, 0.2))
@@ -33,28 +34,28 @@ PERTURBED = ClipRequest("pronk", 3.0, (0.3, 0.0, 0.0), seed=5, noise_std=0.05, f
 
 @pytest.fixture(scope="module")
 def steady() -> Clip:
-    return generate_clip(STEADY, STEPS)
+    return generate_clip(GO2, STEADY, STEPS)
 
 
 @pytest.fixture(scope="module")
 def perturbed() -> Clip:
-    return generate_clip(PERTURBED, STEPS)
+    return generate_clip(GO2, PERTURBED, STEPS)
 
 
 def test_same_request_same_clip(perturbed: Clip) -> None:
-    again = generate_clip(PERTURBED, STEPS)
+    again = generate_clip(GO2, PERTURBED, STEPS)
     for name, value in vars(perturbed).items():
         np.testing.assert_array_equal(getattr(again, name), value)
 
 
 def test_seed_changes_the_noise_alone(perturbed: Clip) -> None:
-    other = generate_clip(replace(PERTURBED, seed=6), STEPS)
+    other = generate_clip(GO2, replace(PERTURBED, seed=6), STEPS)
     np.testing.assert_array_equal(other.joint_target[0], perturbed.joint_target[0])  # before the noise acts
     assert np.abs(other.joint_position - perturbed.joint_position)[-1].max() > 1e-3
 
 
 def test_steady_clip_walks_as_commanded(steady: Clip) -> None:
-    failed = [check for check in check_clip(steady) if not check.passed]
+    failed = [check for check in check_clip(GO2, steady) if not check.passed]
     assert failed == []
     np.testing.assert_allclose(steady.command, STEADY.command, rtol=1e-6)
     np.testing.assert_array_equal(steady.joint_target, steady.joint_target_applied)
@@ -67,7 +68,7 @@ def test_perturbed_clip_keeps_the_clean_answer(perturbed: Clip) -> None:
     assert perturbed.command.shape == (STEPS, 3)
     np.testing.assert_allclose(perturbed.command, np.broadcast_to(PERTURBED.command, (STEPS, 3)))  # as asked for
     assert np.abs(perturbed.joint_velocity[0]).max() == 0.0  # from standing
-    assert all(check.passed for check in check_clip(perturbed))
+    assert all(check.passed for check in check_clip(GO2, perturbed))
 
 
 def test_applied_noise_is_correlated() -> None:
@@ -79,7 +80,7 @@ def test_applied_noise_is_correlated() -> None:
 
 def test_rows_are_the_simulations(steady: Clip) -> None:
     """Feet and velocities of a row against MuJoCo's own kinematics at that row's state."""
-    model = load_model()
+    model = GO2.load_model()
     data, row = mujoco.MjData(model), 17
     data.qpos[:] = np.r_[steady.base_position[row], steady.base_quaternion[row], steady.joint_position[row]]
     data.qvel[6:] = steady.joint_velocity[row]
@@ -97,7 +98,7 @@ def test_a_course_is_followed() -> None:
     start, end = (0.0, 0.0, 0.0), (0.3, 0.0, 0.2)
     request = ClipRequest("trot", 3.0, start, split="varied", variant="x", course=((0.2, start), (0.7, end)))
     np.testing.assert_allclose(request.command_at(0.45), [0.15, 0.0, 0.1])
-    clip = generate_clip(request, steps=75)
+    clip = generate_clip(GO2, request, steps=75)
     assert clip.split == "varied"
     np.testing.assert_allclose(clip.command[5], start, atol=1e-6)
     np.testing.assert_allclose(clip.command[40], end, atol=1e-6)
@@ -107,7 +108,7 @@ def test_a_course_is_followed() -> None:
 def test_a_push_moves_the_robot_and_it_recovers() -> None:
     pushes = (Push(0.2, (0.0, 40.0)),)
     request = ClipRequest("trot", 3.0, (0.0, 0.0, 0.0), split="recovery", variant="x", pushes=pushes)
-    clip, calm = generate_clip(request, steps=80), generate_clip(replace(request, pushes=()), steps=80)
+    clip, calm = generate_clip(GO2, request, steps=80), generate_clip(GO2, replace(request, pushes=()), steps=80)
     sideways = heading_velocity(clip)[:, 1] - heading_velocity(calm)[:, 1]
     assert np.abs(sideways[:11]).max() < 1e-6  # the row that is pushed first still holds the state before it
     assert sideways[15] == pytest.approx(40.0 * PUSH_DURATION / 15.2, rel=0.4)
@@ -118,13 +119,13 @@ def test_a_push_moves_the_robot_and_it_recovers() -> None:
 def test_a_lower_body() -> None:
     usual = ClipRequest("pace", 3.0, (0.0, 0.0, 0.0))
     low = replace(usual, height=-0.025)
-    heights = [generate_clip(request, steps=25).base_position[:, 2].mean() for request in (usual, low)]
+    heights = [generate_clip(GO2, request, steps=25).base_position[:, 2].mean() for request in (usual, low)]
     assert heights[0] - heights[1] == pytest.approx(0.025, abs=0.005)
 
 
 def test_a_change_of_gait() -> None:
     request = ClipRequest("pace", 3.0, (0.2, 0.0, 0.0), split="transition", previous_gait="trot")
-    clip = generate_clip(request, steps=160)
+    clip = generate_clip(GO2, request, steps=160)
     assert (clip.gait, clip.previous_gait, clip.split) == ("pace", "trot", "transition")
     assert 75 < clip.switch_step <= 75 + 17  # the first stride that begins after 1.5 s
     assert request.name == "trot_to_pace_3hz_forward_0.2"
@@ -135,7 +136,7 @@ def test_a_change_of_gait() -> None:
 
 def test_standing() -> None:
     request = ClipRequest("stand", 0.0, (0.0, 0.0, 0.0), split="stand", variant="low", height=-0.05)
-    clip = generate_clip(request, steps=25)
+    clip = generate_clip(GO2, request, steps=25)
     assert request.name == "stand_low"
     assert clip.foot_contact.all()
     assert np.abs(clip.joint_velocity).max() < 0.1
@@ -144,7 +145,7 @@ def test_standing() -> None:
 
 def test_fall_is_an_error() -> None:
     with pytest.raises(ClipError, match="the robot fell"):
-        generate_clip(ClipRequest("pace", 2.0, (0.5, 0.0, 0.0), noise_std=0.6, from_standing=True))
+        generate_clip(GO2, ClipRequest("pace", 2.0, (0.5, 0.0, 0.0), noise_std=0.6, from_standing=True))
 
 
 def test_data_set_keeps_good_clips_and_reports_falls(tmp_path: Path, steady: Clip) -> None:
@@ -153,7 +154,7 @@ def test_data_set_keeps_good_clips_and_reports_falls(tmp_path: Path, steady: Cli
     broken = ClipRequest("pace", 3.0, (0.0, 0.0, 0.0), seed=3, from_standing=True)
     (tmp_path / f"{broken.name}.npz").write_bytes(b"cut off")
     falls = ClipRequest("pace", 2.0, (0.5, 0.0, 0.0), seed=4, noise_std=0.6, from_standing=True)
-    outcomes = {o.request: o for o in generate_dataset([there, broken, falls], tmp_path, workers=1)}
+    outcomes = {o.request: o for o in generate_dataset(GO2, [there, broken, falls], tmp_path, workers=1)}
     assert {request: outcome.status for request, outcome in outcomes.items()} == {
         there: "kept",
         broken: "made",
@@ -188,7 +189,7 @@ def test_names_say_what_is_shown() -> None:
 
 
 def test_shipped_requests() -> None:
-    shipped = shipped_requests()
+    shipped = shipped_requests(GO2)
     names = [request.name for request in shipped]
     assert len(set(names)) == len(names) <= 310
     cells = {(gait, rate) for gait in ("trot", "pace", "bound", "pronk") for rate in (2.0, 3.0, 4.0)}
@@ -211,7 +212,7 @@ def test_what_a_gait_does_not_bear_is_slowed_down() -> None:
 
 
 def test_pushes_leave_alone_what_is_replayed() -> None:
-    pushed = [request for request in shipped_requests() if request.pushes]
+    pushed = [request for request in shipped_requests(GO2) if request.pushes]
     times = np.array([[push.time for push in request.pushes] for request in pushed])
     assert times.min() > 0.5
     force = np.array([push.force for request in pushed for push in request.pushes])

@@ -15,6 +15,7 @@ from camp.motion.clips.store import load_clip
 from camp.motion.dataset.report import failure_table, quality_tables, worst_by_cell, worst_table
 from camp.motion.dataset.requests import shipped_requests
 from camp.motion.dataset.validate import check_clip, heading_velocity, replay_error, rotation_matrix
+from camp.robots.go2 import GO2
 
 FOLDER = assets_root() / "motions" / "go2"
 LARGEST_SET = 25e6  # bytes
@@ -30,7 +31,7 @@ def shipped(name: str) -> Clip:
 
 
 def failed(clip: Clip, replay: bool = False) -> set[str]:
-    return {check.name for check in check_clip(clip, replay=replay) if not check.passed}
+    return {check.name for check in check_clip(GO2, clip, replay=replay) if not check.passed}
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +40,7 @@ def clips() -> dict[str, Clip]:
 
 
 def test_all_requests_are_shipped(clips: dict[str, Clip]) -> None:
-    requests = {request.name: request for request in shipped_requests()}
+    requests = {request.name: request for request in shipped_requests(GO2)}
     assert clips.keys() == requests.keys()
     for name, clip in clips.items():
         request = requests[name]
@@ -74,13 +75,13 @@ def test_transitions_end_in_their_gait(clips: dict[str, Clip]) -> None:
 
 @pytest.mark.parametrize("name", REPLAYED)
 def test_shipped_clips_replay(name: str) -> None:
-    assert replay_error(shipped(name)) < 0.05
+    assert replay_error(GO2, shipped(name)) < 0.05
 
 
 def test_replay_notices_other_targets() -> None:
     clip = shipped("trot_2hz_forward_0.6")
     shifted = np.roll(clip.joint_target_applied, 10, axis=0)  # .2 s late: a different phase of the stride
-    assert replay_error(replace(clip, joint_target_applied=shifted)) > 0.1
+    assert replay_error(GO2, replace(clip, joint_target_applied=shifted)) > 0.1
 
 
 def broken_clips() -> dict[str, tuple[Clip, set[str]]]:
@@ -162,7 +163,7 @@ def test_heading_velocity_of_a_turned_robot() -> None:
 
 
 def test_table_shows_the_worst() -> None:
-    checks = check_clip(shipped("pace_3hz_in_place"), replay=False)
+    checks = check_clip(GO2, shipped("pace_3hz_in_place"), replay=False)
     worse = [replace(check, value=check.value + (0.5 if check.bound == "<=" else -0.5)) for check in checks]
     results = {"good": checks, "bad": worse}
     table = worst_table(results)
@@ -180,7 +181,7 @@ def test_table_shows_the_worst() -> None:
 def test_worst_of_a_cell() -> None:
     names = ("pace_3hz_in_place", "pace_3hz_left_0.25", "trot_3hz_in_place")
     clips = {name: shipped(name) for name in names}
-    results = {name: check_clip(clip, replay=False) for name, clip in clips.items()}
+    results = {name: check_clip(GO2, clip, replay=False) for name, clip in clips.items()}
     worst = worst_by_cell(clips, results)
     assert list(worst) == [("steady", "trot", 3.0), ("steady", "pace", 3.0)]
     slip = [check.value for name in names[:2] for check in results[name] if check.name == "stance slip (m/s)"]

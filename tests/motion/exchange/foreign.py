@@ -15,11 +15,12 @@ from camp.motion.exchange.exporter import export_amp
 from camp.motion.exchange.feet import feet_of
 from camp.motion.exchange.motion import ImportOptions, Motion, Velocities
 from camp.motion.exchange.rotations import continuous, multiply, rotate, rotate_inverse
-from camp.robots.go2 import FOOT_NAMES
+from camp.robots.go2 import GO2
+from camp.robots.quadruped import FOOT_NAMES
 
 FOLDER = assets_root() / "motions" / "go2"
 NAMES = ("trot_2hz_forward_0.6", "pace_3hz_turn_left_0.6", "bound_2hz_left_0.25", "pronk_2hz_forward_0.6")
-TROT = ImportOptions(gait="trot")
+TROT = ImportOptions(GO2, gait="trot")
 HALF_TURN = np.array([0.0, 0.0, 0.0, 1.0])  # about z
 
 
@@ -66,7 +67,7 @@ def amp_frames(clip: Clip, rate: float, forward_differences: bool) -> list[list[
         velocities = Velocities(joint, linear, velocities.base_angular[:-1])
     rows = len(velocities.joint)
     legs = [FOOT_NAMES.index(leg) for leg in ("FR", "FL", "RR", "RL")]
-    blocks = [motion.joint_position, feet_of(motion.joint_position), velocities.joint, np.zeros((rows, 12))]
+    blocks = [motion.joint_position, feet_of(GO2, motion.joint_position), velocities.joint, np.zeros((rows, 12))]
     joints, feet, speeds, zero = (b[:rows].reshape(rows, 4, 3)[:, legs].reshape(rows, 12) for b in blocks)
     base = [motion.base_position[:rows], motion.base_quaternion[:rows, [1, 2, 3, 0]]]
     twist = [velocities.base_linear, velocities.base_angular]
@@ -79,7 +80,7 @@ def kine2go_table(clip: Clip, joints_by_kind: bool) -> np.ndarray:
     assert motion.velocities is not None
     legs = motion.joint_position.reshape(-1, 4, 3)
     joints = legs.swapaxes(1, 2) if joints_by_kind else legs[:, [1, 0, 3, 2]]
-    local = feet_of(motion.joint_position)
+    local = feet_of(GO2, motion.joint_position)
     world = motion.base_position[:, None] + rotate(motion.base_quaternion[:, None], local)
     feet = world[:, [FOOT_NAMES.index(leg) for leg in ("FL", "RL", "FR", "RR")]]
     rows = len(motion)
@@ -126,5 +127,5 @@ def imported_folder(folder: Path) -> Path:
     for name in ("trot_2hz_forward_0.6", "pace_2hz_in_place", "bound_3hz_forward_0.6", "pronk_3hz_in_place"):
         clip = shipped(name)
         export_amp(folder / "amp.txt", clip)
-        save_clip(folder / f"{name}.npz", import_motion(folder / "amp.txt", "amp", ImportOptions(gait=clip.gait)))
+        save_clip(folder / f"{name}.npz", import_motion(folder / "amp.txt", "amp", ImportOptions(GO2, gait=clip.gait)))
     return folder

@@ -18,6 +18,7 @@ from camp.gaits.schedule import GAIT_PHASES
 from camp.gaits.skills import skill_set
 from camp.motion.clips.sampler import Demonstrations, ReferenceStates
 from camp.motion.clips.store import load_clip, load_clips
+from camp.robots.go2 import GO2
 from camp.runs.logger import RunLogger
 from camp.runs.wandb_run import RunIdentity
 from camp.training.progress import Progress
@@ -26,7 +27,7 @@ from tests.motion.exchange.foreign import FOLDER, imported_folder, kine2go_table
 
 
 def test_imported_clips_feed_the_samplers(tmp_path: Path) -> None:
-    clips = load_clips(imported_folder(tmp_path), list(GAIT_PHASES))
+    clips = load_clips(GO2, imported_folder(tmp_path), list(GAIT_PHASES))
     assert [clip.source for clip in clips] == ["amp"] * 4
     generator = torch.Generator().manual_seed(0)
     skills = skill_set(tuple(GAIT_PHASES), "gait", ())

@@ -15,11 +15,13 @@ import pytest
 from camp.common.errors import ClipError
 from camp.dataset import main
 from camp.motion.clips.store import load_clip
+from camp.motion.exchange.checks import check_quaternion_order
 from camp.motion.exchange.exporter import export_amp
 from camp.motion.exchange.feet import check_feet, feet_of
 from camp.motion.exchange.motion import Motion, by_leg
-from camp.motion.exchange.rotations import multiply, rotate
-from camp.robots.go2 import FOOT_NAMES, JOINT_NAMES
+from camp.motion.exchange.rotations import continuous, multiply, rotate
+from camp.robots.go2 import GO2
+from camp.robots.quadruped import FOOT_NAMES, JOINT_NAMES
 from tests.errors import assert_one_line
 from tests.motion.exchange.foreign import FOLDER, HALF_TURN, qpos_of, shipped
 
@@ -228,6 +230,24 @@ def test_tables_of_every_separator(
     np.testing.assert_allclose(load_clip(clip).joint_position, shipped().joint_position, atol=1e-6)
 
 
+@pytest.mark.parametrize(
+    "name", ["trot_2hz_in_place", "pronk_3hz_in_place", "pronk_2hz_forward_0.6", "trot_4hz_in_place"]
+)
+@pytest.mark.parametrize("w_first", [False, True])
+def test_the_order_of_a_quaternion_is_told(tmp_path: Path, name: str, w_first: bool) -> None:
+    """Also in place, where a body that faces backward would look the same from above."""
+    clip = load_clip(FOLDER / f"{name}.npz")
+    quaternion = clip.base_quaternion.astype(np.float64)
+    read = continuous(quaternion if w_first else quaternion[:, [1, 2, 3, 0]])
+    position, joints = clip.base_position.astype(np.float64), clip.joint_position.astype(np.float64)
+    motion = Motion(50.0, position, read, joints, quaternion_order="wxyz")
+    if w_first:
+        check_quaternion_order(GO2, motion)
+    else:
+        with pytest.raises(ClipError, match="pass --quaternion-order xyzw"):
+            check_quaternion_order(GO2, motion)
+
+
 def npy(path: Path, array: np.ndarray) -> Path:
     np.save(path, array, allow_pickle=True)
     return path
@@ -322,7 +342,7 @@ def test_every_pair_of_orders_is_told(name: str) -> None:
     """Joints in one of 24 orders, feet in one of 24: named together, and right once they are pasted."""
     clip = load_clip(FOLDER / f"{name}.npz")
     joints = clip.joint_position[::10].astype(np.float64)
-    feet = feet_of(joints)
+    feet = feet_of(GO2, joints)
     orders = list(permutations(range(4)))
     for leg_order in orders:
         file_joints = joints.reshape(-1, 4, 3)[:, leg_order].reshape(-1, 12)
@@ -346,7 +366,7 @@ def asked_for(file_joints: np.ndarray, file_feet: np.ndarray) -> str:
         foot_position=by_leg(file_feet, FOOT_NAMES).reshape(-1, 4, 3),
     )
     try:
-        check_feet(motion, trust_joints=False)
+        check_feet(GO2, motion, trust_joints=False)
     except ClipError as error:
         return REMEDY.findall(str(error))[-1].strip()
     return ""

@@ -15,6 +15,7 @@ from camp.motion.exchange.convert import import_motion
 from camp.motion.exchange.exporter import export_amp
 from camp.motion.exchange.feet import foot_heights
 from camp.motion.exchange.motion import ImportOptions
+from camp.robots.go2 import GO2
 from tests.motion.exchange.foreign import TROT, edit, in_world, qpos_of, shipped, spoiled, swap_legs, write_qpos
 
 
@@ -54,7 +55,7 @@ def test_kine2go_knows_its_own_layout(tmp_path: Path, amp: Path) -> None:
         ({"Frames": spoiled(slice(19, 31), 1.15)}, "if the file was made for another robot, pass --trust-joints"),
         ({"Frames": in_world}, "pass --velocity-frame world"),
         ({"Frames": spoiled(slice(34, 37), 5.0)}, "root angular velocity misses the change of the positions"),
-        ({"Frames": spoiled(slice(7, 19), 57.3)}, "m (mean) from those of a Go2"),
+        ({"Frames": spoiled(slice(7, 19), 57.3)}, "m (mean) from those of a Unitree Go2"),
         ({"Frames": spoiled(slice(2, 3), 1.5)}, "from the floor (z = 0), at most 0.03 m is allowed; pass --ground"),
     ],
 )
@@ -151,7 +152,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
 
 def test_what_is_asked_for_must_make_sense(amp: Path, tmp_path: Path) -> None:
     with pytest.raises(ClipError, match="--gait 'gallop': pass one of trot"):
-        import_motion(amp, "amp", ImportOptions(gait="gallop"))
+        import_motion(amp, "amp", ImportOptions(GO2, gait="gallop"))
     with pytest.raises(ClipError, match="format 'bvh': pass one of amp, qpos, kine2go"):
         import_motion(amp, "bvh", TROT)
     path = write_qpos(tmp_path / "m.npy", qpos_of(shipped()))

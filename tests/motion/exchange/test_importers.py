@@ -18,7 +18,8 @@ from camp.motion.exchange.convert import import_motion, resample
 from camp.motion.exchange.exporter import export_amp
 from camp.motion.exchange.motion import ImportOptions, Motion, derive_velocities
 from camp.motion.exchange.rotations import continuous, multiply, rotate, rotate_inverse, slerp
-from camp.robots.go2 import FOOT_NAMES, JOINT_NAMES
+from camp.robots.go2 import GO2
+from camp.robots.quadruped import FOOT_NAMES, JOINT_NAMES
 from tests.motion.exchange.foreign import (
     FOLDER,
     NAMES,
@@ -48,7 +49,7 @@ def amp(tmp_path: Path) -> Path:
 def test_round_trip_of_the_text_format(tmp_path: Path, name: str) -> None:
     clip = shipped(name)
     export_amp(tmp_path / "motion.txt", clip)
-    back = import_motion(tmp_path / "motion.txt", "amp", ImportOptions(gait=clip.gait))
+    back = import_motion(tmp_path / "motion.txt", "amp", ImportOptions(GO2, gait=clip.gait))
     for field in EXACT:
         np.testing.assert_array_equal(getattr(back, field), getattr(clip, field), err_msg=field)
     for field, tolerance in CLOSE.items():
@@ -64,7 +65,7 @@ def test_round_trip_of_every_shipped_clip(tmp_path: Path) -> None:
     assert len(clips) > 10
     for clip in clips:
         export_amp(tmp_path / "motion.txt", clip)
-        options = ImportOptions(gait=clip.gait, frequency_hz=clip.frequency_hz)
+        options = ImportOptions(GO2, gait=clip.gait, frequency_hz=clip.frequency_hz)
         back = import_motion(tmp_path / "motion.txt", "amp", options)
         np.testing.assert_allclose(amp_state(back), amp_state(clip), atol=2e-6)
 
@@ -95,7 +96,7 @@ def test_contact_is_estimated_close_to_the_simulated_one(tmp_path: Path) -> None
         clip = load_clip(path)
         if clip.gait not in GAIT_PHASES or not clip.is_steady or clip.frequency_hz > 3.5:
             continue
-        options = ImportOptions(gait=clip.gait, rate_hz=1.0 / clip.dt)
+        options = ImportOptions(GO2, gait=clip.gait, rate_hz=1.0 / clip.dt)
         back = import_motion(write_qpos(tmp_path / "motion.npy", qpos_of(clip)), "qpos", options)
         assert (back.foot_contact == clip.foot_contact).mean() > 0.85, path.name
         measured = measure_gait(back.foot_contact[None], back.dt)
@@ -127,7 +128,7 @@ def test_text_format_at_47_hz(tmp_path: Path, name: str, forward_differences: bo
     clip = shipped(name)
     path = tmp_path / "slow.txt"
     path.write_text(json.dumps({"FrameDuration": 0.021, "Frames": amp_frames(clip, 1 / 0.021, forward_differences)}))
-    back = import_motion(path, "amp", ImportOptions(gait=clip.gait))
+    back = import_motion(path, "amp", ImportOptions(GO2, gait=clip.gait))
     rows = len(back)
     assert back.dt == 0.02
     assert rows == pytest.approx(len(clip), abs=3)
@@ -170,7 +171,7 @@ def test_velocities_of_a_screw_motion_by_hand() -> None:
 def test_qpos_from_npy_and_csv(tmp_path: Path, rate: float) -> None:
     clip = shipped(NAMES[1])
     table = resampled_table(clip, rate)
-    options = ImportOptions(gait="pace", rate_hz=rate)
+    options = ImportOptions(GO2, gait="pace", rate_hz=rate)
     binary = import_motion(write_qpos(tmp_path / "m.npy", table), "qpos", options)
     np.savetxt(tmp_path / "m.csv", table, delimiter=",", fmt="%.9g")
     text = import_motion(tmp_path / "m.csv", "qpos", options)
@@ -199,7 +200,7 @@ def test_legs_in_another_order(tmp_path: Path) -> None:
     table = qpos_of(clip)
     order = ("RR", "FL", "RL", "FR")
     table[:, 7:] = table[:, 7:].reshape(-1, 4, 3)[:, [FOOT_NAMES.index(leg) for leg in order]].reshape(-1, 12)
-    options = ImportOptions(gait="trot", rate_hz=50.0, leg_order=order)
+    options = ImportOptions(GO2, gait="trot", rate_hz=50.0, leg_order=order)
     back = import_motion(write_qpos(tmp_path / "m.npy", table), "qpos", options)
     np.testing.assert_array_equal(back.joint_position, clip.joint_position)
     with pytest.raises(ClipError, match="--leg-order FL,FL,RL,FR: name each of FL,FR,RL,RR once"):
@@ -210,7 +211,7 @@ def test_legs_in_another_order(tmp_path: Path) -> None:
 def test_kine2go(tmp_path: Path, joints_by_kind: bool) -> None:
     clip = shipped(NAMES[2])
     np.save(tmp_path / "motion.npy", kine2go_table(clip, joints_by_kind))
-    back = import_motion(tmp_path / "motion.npy", "kine2go", ImportOptions(gait="bound"))
+    back = import_motion(tmp_path / "motion.npy", "kine2go", ImportOptions(GO2, gait="bound"))
     rows = len(back)
     assert np.sqrt(np.mean((back.joint_position - clip.joint_position[:rows]) ** 2)) < 0.03
     assert np.sqrt(np.mean((back.base_linear_velocity - clip.base_linear_velocity[:rows]) ** 2)) < 0.06

@@ -13,24 +13,24 @@ from camp.motion.expert.controller import GaitController
 from camp.motion.expert.expert import Expert
 from camp.motion.expert.mpc import ForcePlan, ModelPredictiveController
 from camp.motion.expert.swing import lift, minimum_jerk
-from camp.robots.go2 import DEFAULT_JOINT_POSITION, STANDING_HEIGHT, load_model, load_torque_model
+from camp.robots.go2 import GO2
 
 WEIGHT = 15.2064 * 9.81  # N
 
 
 def standing(model: mujoco.MjModel) -> mujoco.MjData:
     data = mujoco.MjData(model)
-    data.qpos[:] = [0, 0, STANDING_HEIGHT, 1, 0, 0, 0, *DEFAULT_JOINT_POSITION]
+    data.qpos[:] = [0, 0, GO2.standing_height, 1, 0, 0, 0, *GO2.default_joint_position]
     mujoco.mj_forward(model, data)
     return data
 
 
 @pytest.fixture
 def controller() -> tuple[GaitController, mujoco.MjData]:
-    model = load_torque_model()
+    model = GO2.load_torque_model()
     data = standing(model)
     # A stand longer than the MPC's horizon, so that its whole plan is standing.
-    return GaitController(model, data, GaitSchedule("trot", 2.0), stand_duration=2.0), data
+    return GaitController(GO2, data, GaitSchedule("trot", 2.0), stand_duration=2.0), data
 
 
 def test_standing_still_takes_a_quarter_of_the_weight_per_leg(
@@ -79,7 +79,7 @@ def test_stand_torques_hold_the_robot(controller: tuple[GaitController, mujoco.M
             mujoco.mj_step2(data.model, data)
     contact = [data.sensor(f"{leg}_contact").data for leg in ("FL", "FR", "RL", "RR")]
     assert np.linalg.norm(np.sum(contact, axis=0)) == pytest.approx(WEIGHT, rel=0.05)
-    assert data.qpos[2] == pytest.approx(STANDING_HEIGHT, abs=0.02)
+    assert data.qpos[2] == pytest.approx(GO2.standing_height, abs=0.02)
     assert np.abs(data.qvel[:6]).max() < 0.05
 
 
@@ -108,9 +108,9 @@ def test_swing_profiles_begin_and_end_at_rest() -> None:
 
 def test_expert_predicts_what_its_targets_do() -> None:
     """The averaged inverse-PD target moves the learner's robot as the torques moved the copy."""
-    model = load_model()
+    model = GO2.load_model()
     data = standing(model)
-    expert = Expert(data, GaitSchedule("trot", 2.0), stand_duration=0.2)
+    expert = Expert(GO2, data, GaitSchedule("trot", 2.0), stand_duration=0.2)
     worst = 0.0
     for _ in range(40):
         data.ctrl[:] = expert.answer(data, np.array([0.4, 0.0, 0.0]))
@@ -123,9 +123,9 @@ def test_expert_predicts_what_its_targets_do() -> None:
 
 
 def test_expert_leaves_the_robot_alone() -> None:
-    model = load_model()
+    model = GO2.load_model()
     data = standing(model)
-    expert = Expert(data, GaitSchedule("pace", 3.0), stand_duration=0.2)
+    expert = Expert(GO2, data, GaitSchedule("pace", 3.0), stand_duration=0.2)
     before = np.r_[data.qpos, data.qvel, data.ctrl, data.qacc_warmstart, data.time]
     expert.answer(data, np.zeros(3))
     np.testing.assert_array_equal(np.r_[data.qpos, data.qvel, data.ctrl, data.qacc_warmstart, data.time], before)

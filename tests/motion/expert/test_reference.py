@@ -10,6 +10,7 @@ from camp.motion.expert.leg_momentum import LegMomentum
 from camp.motion.expert.parameters import expert_parameters
 from camp.motion.expert.reference import PeriodicReference, nominal_footholds
 from camp.motion.expert.rigid_body import RigidBody
+from camp.robots.go2 import GO2
 
 BODY = RigidBody(mass=15.2, inertia=np.diag([0.17, 0.48, 0.53]))
 COMMAND = np.array([0.5, 0.1, 0.3])
@@ -18,7 +19,7 @@ CASES = [(gait, frequency) for gait in GAIT_PHASES for frequency in (2.0, 4.0)]
 
 def solve(gait: str, frequency: float, command: np.ndarray = COMMAND) -> PeriodicReference:
     schedule = GaitSchedule(gait, frequency)
-    parameters = expert_parameters(gait, frequency)
+    parameters = expert_parameters(GO2, gait, frequency)
     reference = PeriodicReference(schedule, BODY, parameters.posture, parameters.reference)
     reference.solve(command, LegMomentum(schedule))
     return reference
@@ -90,6 +91,6 @@ def test_leg_momentum_is_learnt_by_halves() -> None:
 
 
 def test_footholds_are_below_the_hips() -> None:
-    footholds = nominal_footholds(expert_parameters("trot", 2.0).posture)
+    footholds = nominal_footholds(expert_parameters(GO2, "trot", 2.0).posture)
     np.testing.assert_allclose(footholds.sum(axis=0), 0.0)
     assert (np.sign(footholds[:, :2]) == [[1, 1], [1, -1], [-1, 1], [-1, -1]]).all()

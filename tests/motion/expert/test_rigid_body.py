@@ -20,7 +20,7 @@ from camp.motion.expert.rigid_body import (
     solve_qp,
     yaw_rotation,
 )
-from camp.robots.go2 import DEFAULT_JOINT_POSITION, STANDING_HEIGHT, load_torque_model
+from camp.robots.go2 import GO2
 
 BODY = RigidBody(mass=10.0, inertia=np.diag([0.1, 0.4, 0.5]))
 
@@ -89,9 +89,9 @@ def test_quadratic_programme() -> None:
 
 
 def test_body_of_the_robot() -> None:
-    model = load_torque_model()
+    model = GO2.load_torque_model()
     data = mujoco.MjData(model)
-    data.qpos[:] = [0, 0, STANDING_HEIGHT, np.cos(0.4), 0, 0, np.sin(0.4), *DEFAULT_JOINT_POSITION]
+    data.qpos[:] = [0, 0, GO2.standing_height, np.cos(0.4), 0, 0, np.sin(0.4), *GO2.default_joint_position]
     mujoco.mj_forward(model, data)
     base = model.body("base").id
     body = measure_body(model, data, base)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camp.robots.amp_state import amp_parts
-from camp.robots.go2 import FOOT_NAMES, JOINT_NAMES
+from camp.robots.quadruped import FOOT_NAMES, JOINT_NAMES
 
 EXPERT = "expert"  # the source of a clip whose targets and torques are known
 STAND = "stand"  # the gait of a clip in which all feet stay down; its frequency is 0

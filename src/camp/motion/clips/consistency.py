@@ -13,9 +13,9 @@ import torch
 
 from camp.motion.clips.clip import Clip
 from camp.robots import kinematics
-from camp.robots.go2 import FOOT_RADIUS, TORQUE_LIMIT
+from camp.robots.robot import Robot
 
-LOWEST_BASE = 0.15  # m
+LOWEST_BASE = 0.52  # of the standing height
 LARGEST_TILT = 0.8  # rad, the environment's own limit
 # Velocities against differences of positions, root mean square over the clip as a fraction of the velocities'
 # own (plus a floor): 20 ms apart, impacts fall between two rows.
@@ -54,13 +54,13 @@ def at_least(name: str, value: float, limit: float) -> ClipCheck:
     return ClipCheck(name, float(value), limit, ">=")
 
 
-def guard_checks(clip: Clip) -> list[ClipCheck]:
+def guard_checks(robot: Robot, clip: Clip) -> list[ClipCheck]:
     """Posture, torques, velocities against positions, feet against joints: some milliseconds a clip."""
     return [
-        *_posture(clip),
+        *_posture(robot, clip),
         *_velocities(clip),
         at_most("rate error", abs(fitting_period(clip) / clip.dt - 1.0), RATE_ERROR),
-        at_most("foot off its leg (m)", foot_error(clip), FOOT_ERROR),
+        at_most("foot off its leg (m)", foot_error(robot, clip), FOOT_ERROR),
     ]
 
 
@@ -75,16 +75,16 @@ def rotation_matrix(quaternion: np.ndarray) -> np.ndarray:
     return np.stack([np.stack(row, -1) for row in rows], -2)
 
 
-def foot_error(clip: Clip) -> float:
+def foot_error(robot: Robot, clip: Clip) -> float:
     """Largest distance in m between a foot's position and where the joints put it."""
-    computed = kinematics.foot_position(torch.from_numpy(np.asarray(clip.joint_position, dtype=np.float64)))
+    computed = kinematics.foot_position(robot.leg, torch.from_numpy(np.asarray(clip.joint_position, dtype=np.float64)))
     return float(np.linalg.norm(computed.numpy() - clip.foot_position, axis=-1).max())
 
 
-def foot_height(clip: Clip) -> np.ndarray:
+def foot_height(robot: Robot, clip: Clip) -> np.ndarray:
     """Height (T, 4) of the feet's lowest points above the floor in m."""
     up = rotation_matrix(clip.base_quaternion)[:, 2]
-    return np.einsum("tj,tlj->tl", up, clip.foot_position) + clip.base_position[:, 2:] - FOOT_RADIUS
+    return np.einsum("tj,tlj->tl", up, clip.foot_position) + clip.base_position[:, 2:] - robot.leg.foot_radius
 
 
 def fitting_period(clip: Clip) -> float:
@@ -97,11 +97,11 @@ def fitting_period(clip: Clip) -> float:
     return float(np.sum(np.diff(clip.base_position, axis=0) * velocity)) / size
 
 
-def _posture(clip: Clip) -> list[ClipCheck]:
+def _posture(robot: Robot, clip: Clip) -> list[ClipCheck]:
     tilt = np.arccos(np.clip(rotation_matrix(clip.base_quaternion)[:, 2, 2], -1.0, 1.0))
-    torque = np.abs(clip.joint_torque / np.array(TORQUE_LIMIT)).max()
+    torque = np.abs(clip.joint_torque / np.array(robot.torque_limit)).max()
     return [
-        at_least("lowest base (m)", clip.base_position[:, 2].min(), LOWEST_BASE),
+        at_least("lowest base (m)", clip.base_position[:, 2].min(), round(LOWEST_BASE * robot.standing_height, 2)),
         at_most("largest tilt (rad)", tilt.max(), LARGEST_TILT),
         at_most("torque / limit", torque, 1.0 + _ROUNDING),
     ]

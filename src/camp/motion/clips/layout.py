@@ -9,7 +9,7 @@ import numpy as np
 from camp.gaits.schedule import GAIT_PHASES
 from camp.gaits.skills import FREQUENCY_RANGE_HZ
 from camp.motion.clips.clip import SPLITS, STAND, Clip
-from camp.robots.go2 import FOOT_NAMES, JOINT_NAMES
+from camp.robots.quadruped import FOOT_NAMES, JOINT_NAMES
 
 PERIOD_RANGE_S = (0.001, 0.1)  # between rows
 

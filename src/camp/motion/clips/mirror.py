@@ -1,4 +1,4 @@
-"""Mirroring a motion left to right: the Go2 is symmetric, so the image of a valid clip is a valid clip."""
+"""Mirroring a motion left to right: the robot is symmetric, so the image of a valid clip is a valid clip."""
 
 from __future__ import annotations
 

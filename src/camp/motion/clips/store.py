@@ -23,6 +23,7 @@ from camp.motion.clips.consistency import guard_checks
 from camp.motion.clips.layout import COUNTS, FIELDS, NAMES, find_problem, split_of
 from camp.motion.clips.mirror import mirrored
 from camp.motion.clips.selection import ClipLabel, select
+from camp.robots.robot import Robot
 
 REGENERATE = "generate it again with `python -m camp.dataset`"
 
@@ -72,13 +73,17 @@ def load_clip(path: Path) -> Clip:
 
 
 def load_clips(
-    folder: Path, skills: Sequence[str], splits: Sequence[str] = TRAINING_SPLITS, with_mirrored: bool = False
+    robot: Robot,
+    folder: Path,
+    skills: Sequence[str],
+    splits: Sequence[str] = TRAINING_SPLITS,
+    with_mirrored: bool = False,
 ) -> list[Clip]:
-    """Clips of the given gaits and splits in a folder, at any stride frequency, in the order of their file names.
+    """Clips of a robot's given gaits and splits in a folder, at any stride frequency, in the order of their file names.
 
-    with_mirrored: each clip is followed by its mirror image. Clips that do not move as they say (see
-    camp.motion.clips.consistency) are refused. Raises ClipError where the folder is missing or empty, a split is
-    unknown, a file is wrong or a skill has no clip.
+    with_mirrored: each clip is followed by its mirror image. Clips that do not move as they say, or as
+    this robot can (see camp.motion.clips.consistency), are refused. Raises ClipError where the folder is missing or
+    empty, a split is unknown, a file is wrong or a skill has no clip.
     """
     unknown = [split for split in splits if split not in SPLITS]
     if unknown:
@@ -92,18 +97,22 @@ def load_clips(
                 "generate some with `python -m camp.dataset` or take it out of motion.skills"
             )
     chosen = [path for path, label in labels.items() if label.gait in skills and label.split in splits]
-    return _load(chosen, with_mirrored)
+    return _load(robot, chosen, with_mirrored)
 
 
 def load_skill_clips(
-    folder: Path, skills: Sequence[Skill], frequencies_hz: Sequence[float], with_mirrored: bool = False
+    robot: Robot,
+    folder: Path,
+    skills: Sequence[Skill],
+    frequencies_hz: Sequence[float],
+    with_mirrored: bool = False,
 ) -> list[Clip]:
-    """Clips for training: of the skills and, whatever their labels, near one of the stride frequencies.
+    """Clips of a robot for training: of the skills and, whatever their labels, near one of the stride frequencies.
 
     Otherwise as `load_clips`. Raises ClipError where a skill has none; it lists what the folder holds, and what to
     ask for instead.
     """
-    return _load(select(folder, _labels(folder), skills, frequencies_hz), with_mirrored)
+    return _load(robot, select(folder, _labels(folder), skills, frequencies_hz), with_mirrored)
 
 
 def clip_label(path: Path) -> ClipLabel:
@@ -126,11 +135,11 @@ def _labels(folder: Path) -> dict[Path, ClipLabel]:
     return {path: clip_label(path) for path in paths}
 
 
-def _load(paths: Sequence[Path], with_mirrored: bool) -> list[Clip]:
+def _load(robot: Robot, paths: Sequence[Path], with_mirrored: bool) -> list[Clip]:
     clips = []
     for path in paths:
         clip = load_clip(path)
-        _refuse_inconsistent(path, clip)
+        _refuse_inconsistent(robot, path, clip)
         clips += [clip, mirrored(clip)] if with_mirrored else [clip]
     return clips
 
@@ -144,8 +153,8 @@ def _read(path: Path, names: Sequence[str] | None = None) -> dict[str, np.ndarra
         return read_arrays(path, names)
 
 
-def _refuse_inconsistent(path: Path, clip: Clip) -> None:
-    failed = [str(check) for check in guard_checks(clip) if not check.passed]
+def _refuse_inconsistent(robot: Robot, path: Path, clip: Clip) -> None:
+    failed = [str(check) for check in guard_checks(robot, clip) if not check.passed]
     if failed:
         raise ClipError(
             f"clip {path}: {'; '.join(failed)}; see what is wrong with `python -m camp.dataset validate {path.parent}`"

@@ -12,7 +12,9 @@ from camp.gaits.gait import GAITS
 from camp.motion.clips.clip import SPLITS, STAND, TRAINING_SPLITS, Clip
 from camp.motion.clips.consistency import ClipCheck
 from camp.motion.dataset.report import Cell, worst_by_cell
-from camp.robots.go2 import FOOT_NAMES, JOINT_NAMES, PD_GAIN_D, PD_GAIN_P
+from camp.robots.quadruped import FOOT_NAMES, JOINT_NAMES
+from camp.robots.registry import DEFAULT_ROBOT
+from camp.robots.robot import Robot
 
 CARD_NAME = "README.md"
 _MARK = "Written by `python -m camp.dataset card`; do not edit."
@@ -70,20 +72,20 @@ _COLUMNS = {
 }
 
 
-def dataset_card(clips: Mapping[str, Clip], results: Mapping[str, Sequence[ClipCheck]], size: int) -> str:
-    """The card as Markdown; clips and check results by clip name, `size` of all files in bytes."""
+def dataset_card(robot: Robot, clips: Mapping[str, Clip], results: Mapping[str, Sequence[ClipCheck]], size: int) -> str:
+    """The card of a robot's clips as Markdown; clips and check results by clip name, `size` of all files in bytes."""
     rows = sum(len(clip) for clip in clips.values())
     seconds = sum(len(clip) * clip.dt for clip in clips.values())
     bad = sum(not all(check.passed for check in checks) for checks in results.values())
     parts = [
-        "# Expert motions of the Unitree Go2: four gaits, three stride frequencies",
+        f"# Expert motions of the {robot.title}: four gaits, three stride frequencies",
         f"{len(clips)} clips, {rows:,} rows, {seconds / 60:.1f} minutes, {size / 1e6:.1f} MB. {_MARK}",
         "## What is in it",
         _counts_table(clips),
         _splits_text(clips),
-        _FIGURES,
+        _FIGURES if robot.name == DEFAULT_ROBOT else "Figures: `python -m analysis.motions <this folder> <target>`.",
         "## How it was made",
-        _MAKING,
+        _making(robot),
         "## Files",
         _FILES,
         _keys_table(),
@@ -107,15 +109,18 @@ def write_card(folder: Path, text: str) -> Path:
     return path
 
 
-_MAKING = f"""A model-based controller walks the robot in MuJoCo: a gait schedule, a periodic single-rigid-body
+def _making(robot: Robot) -> str:
+    kp, kd = robot.pd_gain_p, robot.pd_gain_d
+    return f"""A model-based controller walks the robot in MuJoCo: a gait schedule, a periodic single-rigid-body
 reference, model predictive control over one stride, and whole-body control at every physics step. Every 20 ms
-its torques are turned into joint targets for the PD controller the learner has (Kp {PD_GAIN_P[0]:g} and
-{PD_GAIN_P[2]:g} N m/rad for calves, Kd {PD_GAIN_D[0]:g} N m s/rad), and these targets, not the torques, move
+its torques are turned into joint targets for the PD controller the learner has (Kp {kp[0]:g} and
+{kp[2]:g} N m/rad for calves, Kd {kd[0]:g} N m s/rad), and these targets, not the torques, move
 the robot: every row is a pair of a state and an action that the learner's own interface can provably reach and
 repeat. Generation is deterministic: the same request on the same platform gives the same file, whatever the
 number of processes; `python -m camp.dataset` makes what is missing. Across platforms the tolerance is the validator's:
 arithmetic may differ in the last bits there, contacts let that grow, and what is promised is the same motion within the
 limits of the table below, not the same numbers."""
+
 
 _FIGURES = """Figures of the [trot](../../../../../docs/motions/trot.png), [pace](../../../../../docs/motions/pace.png),
 [bound](../../../../../docs/motions/bound.png), [pronk](../../../../../docs/motions/pronk.png) and of
@@ -123,10 +128,10 @@ _FIGURES = """Figures of the [trot](../../../../../docs/motions/trot.png), [pace
 
 _LEGS, _JOINTS_OF_A_LEG = ", ".join(FOOT_NAMES), ", ".join(JOINT_NAMES[:3])
 _FILES = f"""One `.npz` per clip, no pickles: `numpy.load(path, allow_pickle=False)` or
-`camp.motion.clips.store.load_clip(path)`. `load_clips(folder, skills)` gives the splits {", ".join(TRAINING_SPLITS)};
-`with_mirrored=True` adds the left-right mirror image of each, which is why none is shipped. Legs are {_LEGS};
-joints {_JOINTS_OF_A_LEG}, then the other legs'. Row t is the state in which target t was given. Numbers are
-float32."""
+`camp.motion.clips.store.load_clip(path)`. `load_clips(robot, folder, skills)` gives the splits
+{", ".join(TRAINING_SPLITS)}; `with_mirrored=True` adds the left-right mirror image of each, which is why none is
+shipped. Legs are {_LEGS}; joints {_JOINTS_OF_A_LEG}, then the other legs'. Row t is the
+state in which target t was given. Numbers are float32."""
 
 _SLOWED = ", ".join(
     f"a {gait.name} at {rate:g} Hz to {speed:g} m/s" for gait in GAITS.values() for rate, speed in gait.fastest.items()

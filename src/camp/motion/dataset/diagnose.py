@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -10,7 +11,8 @@ from camp.metrics.gait import NO_GAIT, measure_gait
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.consistency import RATE_ERROR, fitting_period, foot_height, guard_checks
 from camp.motion.dataset.validate import label_error, replay_error
-from camp.robots.go2 import FOOT_NAMES
+from camp.robots.quadruped import FOOT_NAMES
+from camp.robots.robot import Robot
 
 _LEG_ORDERS = ([1, 0, 3, 2], [2, 3, 0, 1], [3, 2, 1, 0])
 _LARGEST_SHIFT = 25  # rows, half a second
@@ -26,38 +28,40 @@ _LEG_GROUPS = {
 }
 
 
-def find_cause(clip: Clip) -> str | None:
+def find_cause(robot: Robot, clip: Clip) -> str | None:
     """The mix-up that explains why the clip fails, or None."""
-    if not _is_consistent(clip):
-        return _wrong_rate(clip) or _wrong_quaternion(clip) or _swapped_legs(clip)
-    return _shifted_labels(clip) or _wrong_gait(clip)
+    if not _is_consistent(robot, clip):
+        return _wrong_rate(robot, clip) or _wrong_quaternion(robot, clip) or _swapped_legs(robot, clip)
+    return _shifted_labels(robot, clip) or _wrong_gait(clip)
 
 
-def _is_consistent(clip: Clip) -> bool:
-    return all(check.passed for check in guard_checks(clip))
+def _is_consistent(robot: Robot, clip: Clip) -> bool:
+    return all(check.passed for check in guard_checks(robot, clip))
 
 
-def _wrong_rate(clip: Clip) -> str | None:
+def _wrong_rate(robot: Robot, clip: Clip) -> str | None:
     period = fitting_period(clip)
-    if abs(period / clip.dt - 1.0) <= RATE_ERROR or period <= 0.0 or not _is_consistent(replace(clip, dt=period)):
+    if abs(period / clip.dt - 1.0) <= RATE_ERROR or period <= 0.0:
+        return None
+    if not _is_consistent(robot, replace(clip, dt=period)):
         return None
     return f"wrong rate: dt is {clip.dt:g} s, positions and velocities fit {period:.3f} s"
 
 
-def _wrong_quaternion(clip: Clip) -> str | None:
-    if not _is_consistent(replace(clip, base_quaternion=clip.base_quaternion[:, [3, 0, 1, 2]])):
+def _wrong_quaternion(robot: Robot, clip: Clip) -> str | None:
+    if not _is_consistent(robot, replace(clip, base_quaternion=clip.base_quaternion[:, [3, 0, 1, 2]])):
         return None
     return "wrong quaternion order: base_quaternion reads as x, y, z, w; w comes first"
 
 
-def _swapped_legs(clip: Clip) -> str | None:
+def _swapped_legs(robot: Robot, clip: Clip) -> str | None:
     """Of the orders that make the clip consistent the one that fits best: diagonal legs of a trot move alike."""
     disagreement = {}
     for order in _LEG_ORDERS:
         for group, names in _LEG_GROUPS.items():
             sorted_legs = replace(clip, **{name: _reordered(getattr(clip, name), order) for name in names})
-            if _is_consistent(sorted_legs):
-                disagreement[group, tuple(order)] = _disagreement(sorted_legs)
+            if _is_consistent(robot, sorted_legs):
+                disagreement[group, tuple(order)] = _disagreement(robot, sorted_legs)
     if not disagreement:
         return None
     group, order = min(disagreement, key=lambda key: disagreement[key])
@@ -65,20 +69,21 @@ def _swapped_legs(clip: Clip) -> str | None:
     return f"swapped legs: {group} values are in the order {legs}, expected {', '.join(FOOT_NAMES)}"
 
 
-def _disagreement(clip: Clip) -> float:
+def _disagreement(robot: Robot, clip: Clip) -> float:
     """How far joints and feet are from agreeing, in fractions of the limits."""
-    return sum(check.value / check.limit for check in guard_checks(clip) if check.name.startswith(("joint", "foot")))
+    checks = [check for check in guard_checks(robot, clip) if check.name.startswith(("joint", "foot"))]
+    return sum(check.value / check.limit for check in checks)
 
 
 def _reordered(values: np.ndarray, order: list[int]) -> np.ndarray:
     return values.reshape(len(values), 4, -1)[:, order].reshape(values.shape)
 
 
-def _shifted_labels(clip: Clip) -> str | None:
+def _shifted_labels(robot: Robot, clip: Clip) -> str | None:
     """An array whose rows belong to other rows of the motion."""
     distances = {
-        "foot_contact": lambda moved: float((moved.foot_contact != (foot_height(moved) < _ON_FLOOR)).mean()),
-        "joint_target_applied": replay_error,
+        "foot_contact": lambda moved: float((moved.foot_contact != (foot_height(robot, moved) < _ON_FLOOR)).mean()),
+        "joint_target_applied": partial(replay_error, robot),
         "joint_target": label_error,
     }
     largest = min(_LARGEST_SHIFT, (len(clip) - 2) // 2)

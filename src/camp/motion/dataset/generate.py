@@ -20,7 +20,7 @@ from camp.motion.dataset.recording import Answer, Recorder
 from camp.motion.dataset.requests import PUSH_DURATION, ClipRequest
 from camp.motion.dataset.validate import check_clip
 from camp.motion.expert.expert import CONTROL_PERIOD, Expert
-from camp.robots.go2 import DEFAULT_JOINT_POSITION, STANDING_HEIGHT, load_model
+from camp.robots.robot import Robot
 
 CLIP_STEPS = 200  # rows, 4 s
 WARM_UP = 3.0  # s of walking before a clip is recorded that does not begin with standing
@@ -30,7 +30,7 @@ SHORT_STAND_DURATION = 0.04
 CHANGE_DURATION = 0.15  # s on all four feet between two gaits
 CHANGE_TIME = 1.5  # s of the recording after which the next stride changes the gait
 NOISE_CORRELATION = 0.5  # from one control step to the next
-_FALLEN_HEIGHT, _FALLEN_UPRIGHTNESS = 0.12, 0.5  # m; cosine of the tilt
+_FALLEN_HEIGHT, _FALLEN_UPRIGHTNESS = 0.415, 0.5  # of the standing height; cosine of the tilt
 _ENDLESS = 1e3  # s, how long a standing robot waits for a gait
 
 
@@ -47,15 +47,15 @@ class AppliedNoise:
         return self._value
 
 
-def generate_clip(request: ClipRequest, steps: int = CLIP_STEPS) -> Clip:
-    """Walk and record `steps` control steps. Raises ClipError where the robot falls.
+def generate_clip(robot: Robot, request: ClipRequest, steps: int = CLIP_STEPS) -> Clip:
+    """Let a robot walk and record `steps` control steps. Raises ClipError where the robot falls.
 
     Deterministic for one thread of linear algebra, which is what `generate_dataset` gives its processes: more of them
     sum in another order, and contacts let the last bits grow.
     """
-    model = load_model()
-    data = _standing(model)
-    expert = _expert(data, request)
+    model = robot.load_model()
+    data = _standing(robot, model)
+    expert = _expert(robot, data, request)
     noise = AppliedNoise(request.noise_std, request.seed)
     recorder = Recorder(model)
     before = 0 if request.from_standing else round((STAND_DURATION + WARM_UP) / CONTROL_PERIOD)
@@ -78,17 +78,17 @@ def generate_clip(request: ClipRequest, steps: int = CLIP_STEPS) -> Clip:
             # A clone is given the command itself, not how far the expert has taken it up.
             command = asked if request.from_standing else expert.command
             recorder.add(state, previous, Answer(target, applied, torque, command))
-        if _has_fallen(data):
+        if _has_fallen(robot, data):
             raise _fall(request, expert)
     return recorder.clip(request, CONTROL_PERIOD, switch_step)
 
 
-def _expert(data: mujoco.MjData, request: ClipRequest) -> Expert:
+def _expert(robot: Robot, data: mujoco.MjData, request: ClipRequest) -> Expert:
     if request.gait == STAND:  # waits on its feet for a gait that never begins
-        return Expert(data, GaitSchedule("trot", 2.0), _ENDLESS, request.height)
+        return Expert(robot, data, GaitSchedule("trot", 2.0), _ENDLESS, request.height)
     first = request.previous_gait or request.gait
     stand_duration = SHORT_STAND_DURATION if request.from_standing else STAND_DURATION
-    return Expert(data, GaitSchedule(first, request.frequency_hz), stand_duration, request.height)
+    return Expert(robot, data, GaitSchedule(first, request.frequency_hz), stand_duration, request.height)
 
 
 def _push_force(request: ClipRequest, time: float) -> tuple[float, float]:
@@ -110,9 +110,9 @@ class Outcome:
 
 
 def generate_dataset(
-    requests: Sequence[ClipRequest], folder: Path, workers: int, overwrite: bool = False
+    robot: Robot, requests: Sequence[ClipRequest], folder: Path, workers: int, overwrite: bool = False
 ) -> Iterator[Outcome]:
-    """Generate clips into a folder, yielding each outcome as it comes, in any order.
+    """Generate a robot's clips into a folder, yielding each outcome as it comes, in any order.
 
     Clips that exist and are valid are kept unless `overwrite`; a failure does not stop the others. Work is
     done in child processes with single-threaded linear algebra, so that results do not depend on the number
@@ -124,7 +124,7 @@ def generate_dataset(
         if not overwrite and _is_there(request, folder):
             yield Outcome(request, "kept")
         else:
-            jobs.append((request, folder))
+            jobs.append((robot, request, folder))
     if not jobs:
         return
     os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"  # inherited by the children
@@ -132,12 +132,12 @@ def generate_dataset(
         yield from pool.imap_unordered(_work, jobs)
 
 
-def _work(job: tuple[ClipRequest, Path]) -> Outcome:
-    request, folder = job
+def _work(job: tuple[Robot, ClipRequest, Path]) -> Outcome:
+    robot, request, folder = job
     start = time.perf_counter()
     try:
-        clip = generate_clip(request)
-        bad = [check for check in check_clip(clip) if not check.passed]
+        clip = generate_clip(robot, request)
+        bad = [check for check in check_clip(robot, clip) if not check.passed]
         if bad:
             raise ClipError("; ".join(map(str, bad)))
         save_clip(folder / f"{request.name}.npz", clip)
@@ -154,10 +154,10 @@ def _is_there(request: ClipRequest, folder: Path) -> bool:
     return True
 
 
-def _standing(model: mujoco.MjModel) -> mujoco.MjData:
+def _standing(robot: Robot, model: mujoco.MjModel) -> mujoco.MjData:
     data = mujoco.MjData(model)
-    data.qpos[:] = [0.0, 0.0, STANDING_HEIGHT, 1.0, 0.0, 0.0, 0.0, *DEFAULT_JOINT_POSITION]
-    data.ctrl[:] = DEFAULT_JOINT_POSITION
+    data.qpos[:] = [0.0, 0.0, robot.standing_height, 1.0, 0.0, 0.0, 0.0, *robot.default_joint_position]
+    data.ctrl[:] = robot.default_joint_position
     mujoco.mj_forward(model, data)
     return data
 
@@ -173,9 +173,9 @@ def _apply(model: mujoco.MjModel, data: mujoco.MjData, target: np.ndarray) -> np
     return torque
 
 
-def _has_fallen(data: mujoco.MjData) -> bool:
+def _has_fallen(robot: Robot, data: mujoco.MjData) -> bool:
     upright = data.body("base").xmat[8]
-    return bool(data.qpos[2] < _FALLEN_HEIGHT or upright < _FALLEN_UPRIGHTNESS)
+    return bool(data.qpos[2] < round(_FALLEN_HEIGHT * robot.standing_height, 2) or upright < _FALLEN_UPRIGHTNESS)
 
 
 def _fall(request: ClipRequest, expert: Expert) -> ClipError:

@@ -10,7 +10,7 @@ import numpy as np
 
 from camp.motion.clips.clip import Clip
 from camp.motion.dataset.requests import ClipRequest
-from camp.robots.go2 import CONTACT_FORCE, FOOT_NAMES
+from camp.robots.quadruped import CONTACT_FORCE, FOOT_NAMES
 
 
 @dataclass(frozen=True)

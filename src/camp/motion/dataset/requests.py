@@ -9,6 +9,7 @@ import numpy as np
 
 from camp.gaits.gait import GAITS, GRID_STEPS
 from camp.motion.clips.clip import STAND
+from camp.robots.robot import Robot
 
 Twist = tuple[float, float, float]  # vx, vy in m/s and yaw rate in rad/s
 
@@ -41,8 +42,7 @@ LOWER, HIGHER = 0.025, 0.015
 # Ranges of random commands, about as wide as what the policy is asked for (conf/env).
 _RANDOM_LOW, _RANDOM_HIGH = np.array([-0.5, -0.25, -0.7]), np.array([0.9, 0.25, 0.7])
 _STRAIGHT_FRACTION, _IN_PLACE_FRACTION = 0.4, 0.1
-_PUSH_SPEED = (0.25, 0.55)  # m/s that a push of the robot's 15.2 kg is good for
-_ROBOT_MASS = 15.2  # kg
+_PUSH_SPEED = (0.25, 0.55)  # m/s that a push of the robot's mass is good for
 _CHANGES = (0.0, 1.2, 1.3, 2.5, 2.6)  # s, between which a changing command is held or goes over
 
 
@@ -106,12 +106,12 @@ def describe_command(command: Twist) -> str:
     return "_".join(parts) or "in_place"
 
 
-def shipped_requests() -> list[ClipRequest]:
-    """The clips of the package."""
+def shipped_requests(robot: Robot) -> list[ClipRequest]:
+    """A robot's clips in the package."""
     requests = []
     for gait, frequency in _CELLS:
-        requests += [*_steady(gait, frequency), *_varied(gait, frequency), *_recovery(gait, frequency)]
-    return [*requests, *_transitions(), *_standing()]
+        requests += [*_steady(gait, frequency), *_varied(gait, frequency), *_recovery(robot, gait, frequency)]
+    return [*requests, *_transitions(), *_standing(robot)]
 
 
 def bearable(gait: str, frequency_hz: float, command: Twist) -> Twist:
@@ -152,11 +152,11 @@ def _varied(gait: str, frequency: float) -> list[ClipRequest]:
     return requests
 
 
-def _recovery(gait: str, frequency: float) -> list[ClipRequest]:
+def _recovery(robot: Robot, gait: str, frequency: float) -> list[ClipRequest]:
     """Two pushes each: one clip in place, one on the way."""
     requests = []
     for seed, command in enumerate(((0.0, 0.0, 0.0), (0.4, 0.0, 0.0))):
-        pushes = _random_pushes(_generator(gait, frequency, seed))
+        pushes = _random_pushes(robot, _generator(gait, frequency, seed))
         variant = f"pushed_{seed:05d}"
         requests.append(
             ClipRequest(gait, frequency, command, seed=seed, split="recovery", variant=variant, pushes=pushes)
@@ -176,12 +176,12 @@ def _transitions() -> list[ClipRequest]:
     ]
 
 
-def _standing() -> list[ClipRequest]:
+def _standing(robot: Robot) -> list[ClipRequest]:
     """Three body heights, undisturbed and pushed."""
     requests = []
     for seed, (word, height) in enumerate((("low", -0.05), ("medium", 0.0), ("high", 0.03))):
         stand = ClipRequest(STAND, 0.0, (0.0, 0.0, 0.0), seed=seed, split=STAND, variant=word, height=height)
-        pushes = _random_pushes(np.random.default_rng(seed))
+        pushes = _random_pushes(robot, np.random.default_rng(seed))
         pushed = ClipRequest(
             STAND, 0.0, (0.0, 0.0, 0.0), seed=seed, split=STAND, variant=f"{word}_pushed", pushes=pushes, height=height
         )
@@ -189,11 +189,11 @@ def _standing() -> list[ClipRequest]:
     return requests
 
 
-def _random_pushes(rng: np.random.Generator) -> tuple[Push, ...]:
+def _random_pushes(robot: Robot, rng: np.random.Generator) -> tuple[Push, ...]:
     """Two pushes in random directions, leaving the first half second alone, which the validator replays."""
     pushes = []
     for time in (0.8, 2.4):
-        size = rng.uniform(*_PUSH_SPEED) * _ROBOT_MASS / PUSH_DURATION
+        size = rng.uniform(*_PUSH_SPEED) * robot.mass / PUSH_DURATION
         direction = rng.uniform(-np.pi, np.pi)
         start = round(time + rng.uniform(0.0, 0.4), 2)
         force = (round(float(size * np.cos(direction)), 1), round(float(size * np.sin(direction)), 1))

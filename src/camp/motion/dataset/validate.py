@@ -10,7 +10,7 @@ from camp.metrics.gait import measure_gait, pair_phase_errors
 from camp.metrics.tracking import mean_velocity, velocity_error
 from camp.motion.clips.clip import STAND, Clip
 from camp.motion.clips.consistency import ClipCheck, at_least, at_most, foot_height, guard_checks, rotation_matrix
-from camp.robots.go2 import JOINT_LOWER, JOINT_SPEED_LIMIT, JOINT_UPPER, load_model
+from camp.robots.robot import Robot
 
 REPLAY_DURATION = 0.5  # s
 REPLAY_ERROR = 0.05  # rad, root mean square over joints and rows
@@ -30,7 +30,7 @@ STANCE_SLIP = 0.5  # m/s, root mean square speed of feet that are said to stand
 LABEL_ERROR = {False: 1e-6, True: 0.13}
 
 
-def check_clip(clip: Clip, replay: bool = True) -> list[ClipCheck]:
+def check_clip(robot: Robot, clip: Clip, replay: bool = True) -> list[ClipCheck]:
     """Every criterion that applies to the clip.
 
     Perturbed clips and transitions have no steady rhythm to judge, and noise may drive a joint to its stop; the
@@ -38,14 +38,14 @@ def check_clip(clip: Clip, replay: bool = True) -> list[ClipCheck]:
     replay: also repeat the first half second in the learner's simulation (some milliseconds).
     """
     checks = [
-        *guard_checks(clip),
-        at_most("stance height (m)", stance_height(clip), STANCE_HEIGHT),
+        *guard_checks(robot, clip),
+        at_most("stance height (m)", stance_height(robot, clip), STANCE_HEIGHT),
         at_most("stance slip (m/s)", stance_slip(clip), STANCE_SLIP),
     ]
     if clip.has_targets:
         checks.append(at_most("label off applied (rad)", label_error(clip), LABEL_ERROR[clip.split == "perturbed"]))
     if clip.split != "perturbed":
-        checks += _joints(clip)
+        checks += _joints(robot, clip)
     if clip.split in ("steady", "varied", "recovery"):
         checks += _gait(clip)
     if clip.gait == STAND:
@@ -53,15 +53,16 @@ def check_clip(clip: Clip, replay: bool = True) -> list[ClipCheck]:
     if clip.holds_command and clip.split != "perturbed":
         checks += _speed(clip)
     if replay and clip.has_targets:
-        checks.append(at_most("replay (rad)", replay_error(clip), REPLAY_ERROR))
+        checks.append(at_most("replay (rad)", replay_error(robot, clip), REPLAY_ERROR))
     return checks
 
 
-def _joints(clip: Clip) -> list[ClipCheck]:
-    beyond = np.maximum(clip.joint_position - np.array(JOINT_UPPER), np.array(JOINT_LOWER) - clip.joint_position)
+def _joints(robot: Robot, clip: Clip) -> list[ClipCheck]:
+    lower, upper = np.array(robot.joint_lower), np.array(robot.joint_upper)
+    beyond = np.maximum(clip.joint_position - upper, lower - clip.joint_position)
     return [
         at_most("joint beyond range (rad)", beyond.max(), 0.0),
-        at_most("joint speed / limit", np.abs(clip.joint_velocity / np.array(JOINT_SPEED_LIMIT)).max(), 1.0),
+        at_most("joint speed / limit", np.abs(clip.joint_velocity / np.array(robot.joint_speed_limit)).max(), 1.0),
     ]
 
 
@@ -86,9 +87,9 @@ def label_error(clip: Clip) -> float:
     return float(np.sqrt(np.mean((clip.joint_target - clip.joint_target_applied) ** 2)))
 
 
-def stance_height(clip: Clip) -> float:
+def stance_height(robot: Robot, clip: Clip) -> float:
     """Root mean square height in m above the floor of the feet that are said to stand."""
-    above = np.maximum(foot_height(clip)[clip.foot_contact], 0.0)
+    above = np.maximum(foot_height(robot, clip)[clip.foot_contact], 0.0)
     return float(np.sqrt(np.mean(above**2))) if len(above) else 0.0
 
 
@@ -131,9 +132,9 @@ def _speed(clip: Clip) -> list[ClipCheck]:
     ]
 
 
-def replay_error(clip: Clip) -> float:
+def replay_error(robot: Robot, clip: Clip) -> float:
     """RMS joint error in rad when the applied targets of the first half second are repeated open loop."""
-    model = load_model()
+    model = robot.load_model()
     data = mujoco.MjData(model)
     rotation = rotation_matrix(clip.base_quaternion[0])
     data.qpos[:] = np.concatenate([clip.base_position[0], clip.base_quaternion[0], clip.joint_position[0]])

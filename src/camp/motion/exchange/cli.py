@@ -17,6 +17,7 @@ from camp.motion.clips.store import load_clip, save_clip
 from camp.motion.exchange import exporter
 from camp.motion.exchange.convert import FORMATS, import_motion
 from camp.motion.exchange.motion import QUATERNION_ORDERS, ImportOptions
+from camp.robots.robot import Robot
 
 COMMANDS = ("import", "export")
 IMPORTED_FOLDER = Path("outputs/motions/imported")
@@ -57,9 +58,9 @@ def add_exchange(commands: argparse._SubParsersAction) -> None:
     writer.set_defaults(command="export")
 
 
-def run_exchange(options: argparse.Namespace) -> int:
+def run_exchange(robot: Robot, options: argparse.Namespace) -> int:
     """Carry out `import` or `export`; returns the exit code. Raises CampError for input that cannot be used."""
-    return _export(options) if options.command == "export" else _import(options)
+    return _export(options) if options.command == "export" else _import(robot, options)
 
 
 def _export(options: argparse.Namespace) -> int:
@@ -70,7 +71,7 @@ def _export(options: argparse.Namespace) -> int:
     return 0
 
 
-def _import(options: argparse.Namespace) -> int:
+def _import(robot: Robot, options: argparse.Namespace) -> int:
     name = (options.name or _name(options)).removesuffix(".npz")
     if Path(name).name != name:
         raise ClipError(f"--name {name!r}: give a file's name, and its folder with --folder")
@@ -80,6 +81,7 @@ def _import(options: argparse.Namespace) -> int:
         options.file,
         options.format,
         ImportOptions(
+            robot=robot,
             gait=options.gait,
             rate_hz=options.rate,
             frequency_hz=options.frequency,

@@ -25,7 +25,7 @@ from camp.motion.exchange.feet import (
 from camp.motion.exchange.motion import CONTROL_RATE_HZ, ImportOptions, Motion, Velocities, derive_velocities
 from camp.motion.exchange.rotations import rotate, slerp, yaw
 from camp.motion.exchange.velocities import are_differences, check_velocities
-from camp.robots.go2 import FOOT_RADIUS
+from camp.robots.robot import Robot
 
 _READERS: dict[str, Callable[[Path, ImportOptions], Motion]] = {
     "amp": amp.read_amp,
@@ -53,15 +53,15 @@ def import_motion(path: Path, file_format: str, options: ImportOptions) -> Clip:
         read = _READERS[file_format](path, options)
         motion = _checked(read, options)
         clip = _clip(motion, options, file_format)
-        _refuse_inconsistent(clip, motion.velocities is read.velocities)
+        _refuse_inconsistent(options.robot, clip, motion.velocities is read.velocities)
         return clip
     except ClipError as error:
         raise ClipError(f"motion {path}: {error}") from error
 
 
-def _refuse_inconsistent(clip: Clip, own_velocities: bool) -> None:
+def _refuse_inconsistent(robot: Robot, clip: Clip, own_velocities: bool) -> None:
     """What loading would refuse is not written in the first place. own_velocities: they are the file's."""
-    failed = [str(check) for check in guard_checks(clip) if not check.passed]
+    failed = [str(check) for check in guard_checks(robot, clip) if not check.passed]
     if failed:
         remedy = "cut the motion to where it walks"
         if any("mismatch" in reason or "rate" in reason for reason in failed):
@@ -73,24 +73,25 @@ def _refuse_inconsistent(clip: Clip, own_velocities: bool) -> None:
 
 def _checked(motion: Motion, options: ImportOptions) -> Motion:
     """The motion with velocities, on the floor where asked for."""
+    robot = options.robot
     checks.check_rate(motion)
-    check_feet(motion, options.trust_joints)
-    checks.check_joint_range(motion)
-    checks.check_quaternion_order(motion)
+    check_feet(robot, motion, options.trust_joints)
+    checks.check_joint_range(robot, motion)
+    checks.check_quaternion_order(robot, motion)
     if options.derive_velocities:
         motion = replace(motion, velocities=None)
     check_velocities(motion)
     if are_differences(motion):
         motion = replace(motion, velocities=None)  # nothing is lost, and they stand where they belong
     if options.ground:
-        motion = _grounded(motion)
-    checks.check_floor(motion)
+        motion = _grounded(robot, motion)
+    checks.check_floor(robot, motion)
     return replace(motion, velocities=motion.velocities or derive_velocities(motion))
 
 
-def _grounded(motion: Motion) -> Motion:
-    height = foot_heights(motion.base_position, motion.base_quaternion, feet_of(motion.joint_position))
-    shift = np.array([0.0, 0.0, FOOT_RADIUS - floor_heights(height).min()])
+def _grounded(robot: Robot, motion: Motion) -> Motion:
+    height = foot_heights(motion.base_position, motion.base_quaternion, feet_of(robot, motion.joint_position))
+    shift = np.array([0.0, 0.0, robot.leg.foot_radius - floor_heights(height).min()])
     return replace(motion, base_position=motion.base_position + shift)
 
 
@@ -121,12 +122,12 @@ def resample(motion: Motion, rate_hz: float = CONTROL_RATE_HZ) -> Motion:
 
 
 def _clip(motion: Motion, options: ImportOptions, file_format: str) -> Clip:
-    motion = resample(motion)
+    robot, motion = options.robot, resample(motion)
     velocities = motion.velocities
     assert velocities is not None
-    foot_position = feet_of(motion.joint_position)
+    foot_position = feet_of(robot, motion.joint_position)
     height = foot_heights(motion.base_position, motion.base_quaternion, foot_position)
-    contact = estimate_contact(height, world_foot_velocity(motion, velocities, foot_position))
+    contact = estimate_contact(height, world_foot_velocity(robot, motion, velocities, foot_position))
     frequency = _stride_frequency(contact) if options.frequency_hz is None else options.frequency_hz
     next_position = np.concatenate([motion.joint_position[1:], motion.joint_position[-1:]])
 
@@ -145,7 +146,7 @@ def _clip(motion: Motion, options: ImportOptions, file_format: str) -> Clip:
         base_linear_velocity=single(velocities.base_linear),
         base_angular_velocity=single(velocities.base_angular),
         foot_position=single(foot_position),
-        foot_velocity=single(foot_velocities_of(motion.joint_position, velocities.joint)),
+        foot_velocity=single(foot_velocities_of(robot, motion.joint_position, velocities.joint)),
         foot_contact=contact,
         joint_target=single(next_position),
         joint_target_applied=single(next_position),

@@ -11,7 +11,7 @@ from camp.common.errors import ClipError
 from camp.common.files import write_text
 from camp.motion.clips.clip import Clip
 from camp.motion.exchange.amp import LEG_ORDER
-from camp.robots.go2 import FOOT_NAMES
+from camp.robots.quadruped import FOOT_NAMES
 
 FORMATS = ("amp",)
 

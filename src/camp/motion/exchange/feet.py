@@ -12,7 +12,8 @@ from camp.common.errors import ClipError
 from camp.motion.exchange.motion import Motion, Velocities
 from camp.motion.exchange.rotations import rotate
 from camp.robots import kinematics
-from camp.robots.go2 import FOOT_NAMES
+from camp.robots.quadruped import FOOT_NAMES
+from camp.robots.robot import Robot
 
 FOOT_TOLERANCE = 0.01  # m, mean distance of the file's feet from those of its joints
 CLEARLY_NEARER = 0.75  # of the distance, from which another order of the legs is the right one
@@ -22,14 +23,15 @@ CONTACT_HEIGHT = 0.015  # m above that
 CONTACT_SPEED = 0.6  # m/s of the foot in the world
 
 
-def feet_of(joint_position: np.ndarray) -> np.ndarray:
+def feet_of(robot: Robot, joint_position: np.ndarray) -> np.ndarray:
     """Foot positions (N, 4, 3) in the base frame, m, of joint positions (N, 12)."""
-    return kinematics.foot_position(torch.from_numpy(joint_position)).numpy()
+    return kinematics.foot_position(robot.leg, torch.from_numpy(joint_position)).numpy()
 
 
-def foot_velocities_of(joint_position: np.ndarray, joint_velocity: np.ndarray) -> np.ndarray:
+def foot_velocities_of(robot: Robot, joint_position: np.ndarray, joint_velocity: np.ndarray) -> np.ndarray:
     """Foot velocities (N, 4, 3) in the base frame, m/s."""
-    return kinematics.foot_velocity(torch.from_numpy(joint_position), torch.from_numpy(joint_velocity)).numpy()
+    joints = (torch.from_numpy(joint_position), torch.from_numpy(joint_velocity))
+    return kinematics.foot_velocity(robot.leg, *joints).numpy()
 
 
 def mean_distance(feet: np.ndarray, others: np.ndarray) -> float:
@@ -37,7 +39,7 @@ def mean_distance(feet: np.ndarray, others: np.ndarray) -> float:
     return float(np.linalg.norm(feet - others, axis=-1).mean())
 
 
-def check_feet(motion: Motion, trust_joints: bool) -> None:
+def check_feet(robot: Robot, motion: Motion, trust_joints: bool) -> None:
     """Compare the file's feet with those of its joints.
 
     Raises ClipError where they are apart; where other orders of the joints' and the feet's legs bring them together,
@@ -45,7 +47,7 @@ def check_feet(motion: Motion, trust_joints: bool) -> None:
     """
     if motion.foot_position is None:
         return
-    apart = _distances(motion)
+    apart = _distances(robot, motion)
     distance = float(apart[range(4), range(4), range(4)].mean())
     if distance <= ROUNDING:
         return
@@ -63,19 +65,19 @@ def check_feet(motion: Motion, trust_joints: bool) -> None:
         )
     if distance > FOOT_TOLERANCE and not trust_joints:
         raise ClipError(
-            f"the file's feet are {distance:.3f} m (mean) from those of a Go2 with its joints, at most "
+            f"the file's feet are {distance:.3f} m (mean) from those of a {robot.title} with its joints, at most "
             f"{FOOT_TOLERANCE} m is allowed; if the file was made for another robot, pass --trust-joints to compute "
             "the feet from the joints"
         )
 
 
-def _distances(motion: Motion) -> np.ndarray:
+def _distances(robot: Robot, motion: Motion) -> np.ndarray:
     """Mean distance (4, 4, 4), m, at leg L between the foot that the joints of leg A would have there and foot B."""
     assert motion.foot_position is not None
     joints = motion.joint_position.reshape(-1, 4, 3)
     apart = np.empty((4, 4, 4))
     for source in range(4):
-        feet = feet_of(np.repeat(joints[:, source : source + 1], 4, axis=1).reshape(-1, 12))
+        feet = feet_of(robot, np.repeat(joints[:, source : source + 1], 4, axis=1).reshape(-1, 12))
         gap = np.linalg.norm(feet[:, :, None] - motion.foot_position[:, None], axis=-1)  # (N, leg, foot)
         apart[:, source] = gap.mean(axis=0)
     return apart
@@ -113,8 +115,8 @@ def estimate_contact(height: np.ndarray, velocity: np.ndarray) -> np.ndarray:
     return low & (np.linalg.norm(velocity, axis=-1) < CONTACT_SPEED)
 
 
-def world_foot_velocity(motion: Motion, velocities: Velocities, foot_position: np.ndarray) -> np.ndarray:
+def world_foot_velocity(robot: Robot, motion: Motion, velocities: Velocities, foot_position: np.ndarray) -> np.ndarray:
     """Velocities (N, 4, 3) of the feet in the world, m/s; foot_position (N, 4, 3) m, base frame."""
-    swing = foot_velocities_of(motion.joint_position, velocities.joint)
+    swing = foot_velocities_of(robot, motion.joint_position, velocities.joint)
     carried = velocities.base_linear[:, None] + np.cross(velocities.base_angular[:, None], foot_position)
     return rotate(motion.base_quaternion[:, None], carried + swing)

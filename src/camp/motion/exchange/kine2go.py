@@ -26,7 +26,8 @@ from camp.motion.exchange.feet import feet_of, mean_distance
 from camp.motion.exchange.motion import ImportOptions, Motion, by_leg, w_first
 from camp.motion.exchange.rotations import continuous, rotate_inverse
 from camp.motion.exchange.tables import check_table, check_unit, load_npy
-from camp.robots.go2 import FOOT_NAMES
+from camp.robots.quadruped import FOOT_NAMES
+from camp.robots.robot import Robot
 
 RATE_HZ = 60.0
 LEG_ORDER = ("FR", "FL", "RR", "RL")
@@ -51,7 +52,7 @@ def read_kine2go(path: Path, options: ImportOptions) -> Motion:
     foot_order = options.foot_order or FOOT_ORDER
     world = by_leg(table[:, 36:48], foot_order).reshape(-1, 4, 3)
     foot_position = rotate_inverse(quaternion[:, None], world - table[:, None, 48:51])
-    joints, leg_order = _joints(table[:, 6:18], foot_position, options.leg_order)
+    joints, leg_order = _joints(options.robot, table[:, 6:18], foot_position, options.leg_order)
     return Motion(
         rate_hz=RATE_HZ if options.rate_hz is None else options.rate_hz,
         base_position=table[:, 48:51],
@@ -65,10 +66,10 @@ def read_kine2go(path: Path, options: ImportOptions) -> Motion:
 
 
 def _joints(
-    columns: np.ndarray, foot_position: np.ndarray, order: tuple[str, ...] | None
+    robot: Robot, columns: np.ndarray, foot_position: np.ndarray, order: tuple[str, ...] | None
 ) -> tuple[np.ndarray, tuple[str, ...]]:
     """(N, 12) in the project's order, and the file's: of leg by leg and kind by kind what comes nearer to the feet."""
     by_kind = columns.reshape(-1, 3, 4).swapaxes(1, 2).reshape(-1, 12)  # (kind, leg) to (leg, kind)
     orders = (order or LEG_ORDER, order or FOOT_NAMES)
     readings = [(by_leg(block, legs), legs) for block, legs in zip((columns, by_kind), orders, strict=True)]
-    return min(readings, key=lambda reading: mean_distance(feet_of(reading[0]), foot_position))
+    return min(readings, key=lambda reading: mean_distance(feet_of(robot, reading[0]), foot_position))

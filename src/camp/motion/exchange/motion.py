@@ -11,7 +11,8 @@ from camp.common.errors import ClipError
 from camp.gaits.schedule import GAIT_PHASES
 from camp.gaits.skills import FREQUENCY_RANGE_HZ
 from camp.motion.exchange.rotations import conjugate, multiply, rotate_inverse, rotation_vector
-from camp.robots.go2 import FOOT_NAMES
+from camp.robots.quadruped import FOOT_NAMES
+from camp.robots.robot import Robot
 
 CONTROL_RATE_HZ = 50.0  # of every clip
 RATE_RANGE_HZ = (10.0, 1000.0)  # of a motion file
@@ -24,6 +25,7 @@ FASTEST = (5.0, 5.0, 10.0)  # m/s, m/s, rad/s of a command: beyond what a Go2 do
 class ImportOptions:
     """What a file does not say, and what to do where it contradicts itself."""
 
+    robot: Robot  # whose motion it becomes
     gait: str  # a key of GAIT_PHASES
     rate_hz: float | None = None  # frames per s, in place of the file's own
     frequency_hz: float | None = None  # stride frequency; measured where None

@@ -16,7 +16,7 @@ from camp.common.errors import ClipError
 from camp.motion.exchange.motion import ImportOptions, Motion, by_leg, w_first
 from camp.motion.exchange.rotations import continuous
 from camp.motion.exchange.tables import check_table, check_unit, joint_columns, load_csv, load_npy
-from camp.robots.go2 import FOOT_NAMES
+from camp.robots.quadruped import FOOT_NAMES
 
 NUM_COLUMNS = 19
 QUATERNION_ORDER = "wxyz"

@@ -8,7 +8,7 @@ import numpy as np
 
 from camp.common.errors import ClipError
 from camp.common.foreign import foreign_file
-from camp.robots.go2 import JOINT_NAMES
+from camp.robots.quadruped import JOINT_NAMES
 
 FEWEST_FRAMES = 4
 LARGEST = 1e6  # of any number of a motion, in m, rad or their rates

@@ -15,6 +15,7 @@ from camp.motion.expert.robot_state import RobotState, StateReader
 from camp.motion.expert.swing import SwingLegs, foothold_shift
 from camp.motion.expert.target import MotionTarget
 from camp.motion.expert.whole_body import WholeBodyTask, joint_torque
+from camp.robots.robot import Robot
 
 _LATE_DAMPING = np.array([20.0, 20.0, 30.0])  # 1/s, brings a hanging foot down without sliding
 
@@ -27,7 +28,7 @@ class GaitController:
 
     def __init__(
         self,
-        model: mujoco.MjModel,
+        robot: Robot,
         data: mujoco.MjData,
         schedule: GaitSchedule,
         stand_duration: float,
@@ -37,18 +38,19 @@ class GaitController:
 
         stand_duration: before the gait begins, s; height: of the CoM above the gait's usual one, m.
         """
+        model = data.model
         base = model.body("base").id
         self.schedule = schedule
-        self.parameters: ExpertParameters = expert_parameters(schedule.gait, schedule.frequency_hz, height)
-        self._model, self._height = model, height
+        self.parameters: ExpertParameters = expert_parameters(robot, schedule.gait, schedule.frequency_hz, height)
+        self._robot, self._height = robot, height
         self.body = measure_body(model, data, base)
         self.leg_momentum = LegMomentum(schedule)
         self.reference = PeriodicReference(schedule, self.body, self.parameters.posture, self.parameters.reference)
         self.reference.solve(np.zeros(3), self.leg_momentum)
         com = data.subtree_com[base]
-        self.target = MotionTarget(self.reference, com[2], stand_duration)
+        self.target = MotionTarget(self.reference, com[2], stand_duration, robot.leg.foot_radius)
         self.target.heading[:2] = com[:2]
-        self._reader = StateReader(model, self.body)
+        self._reader = StateReader(model, self.body, robot.leg.foot_radius)
         self._mpc = ModelPredictiveController(self.body, self.parameters.mpc)
         self._swing = SwingLegs(schedule, self.parameters.swing, self.parameters.posture.swing_height)
         self._plan: ForcePlan | None = None
@@ -59,7 +61,7 @@ class GaitController:
 
         All feet stay down for `stand_duration` s before the new gait begins, so call it where a stride begins.
         """
-        successor = GaitController(self._model, data, schedule, stand_duration, self._height)
+        successor = GaitController(self._robot, data, schedule, stand_duration, self._height)
         successor.target.heading = self.target.heading.copy()
         successor.target.command = self.target.command
         successor.reference.solve(self.target.command, successor.leg_momentum)
@@ -87,7 +89,9 @@ class GaitController:
         if self.target.time >= 0.0:
             difference = robot.srb[ANGULAR] - robot.trunk_rate
             self.leg_momentum.observe(self.target.time, yaw_rotation(robot.srb[2]).T @ difference)
-        torque = joint_torque(robot, self._task(robot), self.body.mass, self.parameters.whole_body)
+        torque = joint_torque(
+            robot, self._task(robot), self.body.mass, self._robot.torque_limit, self.parameters.whole_body
+        )
         self.target.advance(duration)
         return torque
 

@@ -13,7 +13,7 @@ import numpy as np
 from camp.gaits.schedule import GaitSchedule
 from camp.motion.expert.controller import GaitController
 from camp.motion.expert.heading import approach_command
-from camp.robots.go2 import PD_GAIN_D, PD_GAIN_P, load_torque_model
+from camp.robots.robot import Robot
 
 CONTROL_PERIOD = 0.02  # s, the learner's control step
 LARGEST_ACCELERATION = np.array([1.0, 1.0, 1.5])  # m/s^2, m/s^2, rad/s^2: how fast the command may be taken up
@@ -22,15 +22,22 @@ LARGEST_ACCELERATION = np.array([1.0, 1.0, 1.5])  # m/s^2, m/s^2, rad/s^2: how f
 class Expert:
     """Walks one gait; `command` (3,) is the twist taken up so far, on its way to what was asked for."""
 
-    def __init__(self, data: mujoco.MjData, schedule: GaitSchedule, stand_duration: float, height: float = 0.0) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        data: mujoco.MjData,
+        schedule: GaitSchedule,
+        stand_duration: float,
+        height: float = 0.0,
+    ) -> None:
         """`data`: the learner's robot, standing at the origin; stand_duration in s; height: see GaitController."""
-        self._model = load_torque_model(data.model.opt.timestep)
+        self._model = robot.load_torque_model(data.model.opt.timestep)
         self._copy = mujoco.MjData(self._model)
         self._steps = round(CONTROL_PERIOD / self._model.opt.timestep)
-        self._gain_p, self._gain_d = np.array(PD_GAIN_P), np.array(PD_GAIN_D)
+        self._gain_p, self._gain_d = np.array(robot.pd_gain_p), np.array(robot.pd_gain_d)
         self.command = np.zeros(3)
         self._synchronize(data)
-        self.controller = GaitController(self._model, self._copy, schedule, stand_duration, height)
+        self.controller = GaitController(robot, self._copy, schedule, stand_duration, height)
 
     @property
     def time(self) -> float:

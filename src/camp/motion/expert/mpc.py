@@ -21,7 +21,6 @@ from camp.motion.expert.rigid_body import (
     solve_qp,
 )
 from camp.motion.expert.target import MotionTarget
-from camp.robots.go2 import FOOT_RADIUS
 
 _SHORTEST_INTERVAL = 1e-4  # s
 
@@ -133,7 +132,7 @@ class ModelPredictiveController:
                     centre = target.foothold(int(leg), middle - phase[leg] * schedule.period, shift)
                 intervals.append(index)
                 legs.append(leg)
-                levers.append(centre - [0.0, 0.0, FOOT_RADIUS] - com)
+                levers.append(centre - [0.0, 0.0, target.foot_radius] - com)
                 forces.append(reference_force[leg])
         plan = ContactPlan(np.diff(times), np.array(intervals), np.array(legs), np.array(levers))
         return plan, np.array(forces)

@@ -27,8 +27,6 @@ from camp.motion.expert.rigid_body import (
     solve_qp,
 )
 
-SMALLEST_FORCE, LARGEST_FORCE = 2.0, 250.0  # N per foot
-
 
 def nominal_footholds(posture: Posture) -> np.ndarray:
     """Feet in mid-stance relative to the heading frame, (4, 3) in m, on the floor."""
@@ -113,7 +111,7 @@ class PeriodicReference:
 
         periodic = response[-1].copy()
         periodic[:, 3 * contacts :] -= np.eye(STATE_SIZE)
-        cone, bound = friction_cone(contacts, weights.friction, SMALLEST_FORCE, LARGEST_FORCE)
+        cone, bound = friction_cone(contacts, weights.friction, weights.smallest_force, weights.largest_force)
         cone = np.hstack([cone, np.zeros((len(cone), STATE_SIZE))])
         constraints = Constraints(np.vstack([periodic, cone]), np.r_[-drift[-1], bound], STATE_SIZE)
         solution = solve_qp(hessian, gradient, constraints)

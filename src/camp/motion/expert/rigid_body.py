@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 import quadprog
 
-from camp.robots.go2 import GRAVITY
+from camp.robots.quadruped import GRAVITY
 
 GRAVITY_VECTOR = np.array([0.0, 0.0, -GRAVITY])  # m/s^2
 STATE_SIZE = 12

@@ -11,7 +11,7 @@ from camp.gaits.schedule import GaitSchedule
 from camp.motion.expert.heading import advance_heading
 from camp.motion.expert.reference import PeriodicReference, nominal_footholds
 from camp.motion.expert.rigid_body import ANGULAR, LINEAR, POSITION, RPY, STATE_SIZE, yaw_rotation
-from camp.robots.go2 import FOOT_RADIUS, GRAVITY
+from camp.robots.quadruped import GRAVITY
 
 SETTLE_DURATION = 2.0  # s, at most, in which a standing robot takes on the gait's height
 LARGEST_LAG = 0.06  # m the heading frame may be ahead of the robot before it waits
@@ -23,8 +23,11 @@ class MotionTarget:
     heading: (3,) x, y, yaw of the heading frame at `time`; command: (3,) twist it moves on with.
     """
 
-    def __init__(self, reference: PeriodicReference, stand_height: float, stand_duration: float) -> None:
-        self.reference = reference
+    def __init__(
+        self, reference: PeriodicReference, stand_height: float, stand_duration: float, foot_radius: float
+    ) -> None:
+        """stand_height: of the standing robot's CoM, m; stand_duration: before the gait begins, s; foot_radius: m."""
+        self.reference, self.foot_radius = reference, foot_radius
         self.schedule: GaitSchedule = reference.schedule
         self.time = -stand_duration
         self.heading = np.zeros(3)
@@ -80,7 +83,7 @@ class MotionTarget:
         """Centre (3,) of a foot that touches down at time `touchdown`, moved by the feedback `shift` (3,)."""
         heading = self.heading_at(touchdown + self.schedule.stance_duration / 2)
         nominal = yaw_rotation(heading[2]) @ self._nominal[leg]
-        return nominal + shift + [heading[0], heading[1], FOOT_RADIUS]
+        return nominal + shift + [heading[0], heading[1], self.foot_radius]
 
     def _deviation(self, time: float) -> np.ndarray:
         if time >= 0.0:

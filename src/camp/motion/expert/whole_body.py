@@ -14,7 +14,7 @@ import numpy as np
 from camp.motion.expert.parameters import WholeBodyGains
 from camp.motion.expert.rigid_body import GRAVITY_VECTOR, Constraints, friction_cone, solve_qp
 from camp.motion.expert.robot_state import NUM_DOFS, RobotState
-from camp.robots.go2 import TORQUE_LIMIT
+from camp.robots.robot import PerJoint
 
 _BASE, _JOINTS, _ROTATION = slice(0, 6), slice(6, 18), slice(3, 6)
 
@@ -35,8 +35,10 @@ class WholeBodyTask:
     force: np.ndarray
 
 
-def joint_torque(robot: RobotState, task: WholeBodyTask, mass: float, gains: WholeBodyGains) -> np.ndarray:
-    """Torques (12,) in N m for the task; `mass` in kg. Raises ValueError where no solution exists."""
+def joint_torque(
+    robot: RobotState, task: WholeBodyTask, mass: float, torque_limit: PerJoint, gains: WholeBodyGains
+) -> np.ndarray:
+    """Torques (12,) in N m for the task; `mass` in kg, limits in N m. Raises ValueError where no solution exists."""
     legs = np.flatnonzero(task.standing)
     size = NUM_DOFS + 3 * len(legs)
     acceleration, force = slice(0, NUM_DOFS), slice(NUM_DOFS, size)
@@ -63,7 +65,7 @@ def joint_torque(robot: RobotState, task: WholeBodyTask, mass: float, gains: Who
 
     # Equations of motion: M qdd + bias - J' f = (0, torque)
     dynamics = np.hstack([robot.mass_matrix, -robot.jacobian[legs].reshape(-1, NUM_DOFS).T])
-    to_torque, limit = dynamics[_JOINTS], gains.torque_fraction * np.array(TORQUE_LIMIT)
+    to_torque, limit = dynamics[_JOINTS], gains.torque_fraction * np.array(torque_limit)
     cone, cone_bound = friction_cone(len(legs), gains.friction, 0.0, gains.largest_force)
     matrix = np.vstack([dynamics[_BASE], to_torque, -to_torque, np.hstack([np.zeros((len(cone), NUM_DOFS)), cone])])
     bias = robot.bias

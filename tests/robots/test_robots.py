@@ -1,0 +1,162 @@
+"""Every robot against its model, and the closed-form kinematics against MuJoCo."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+import torch
+
+from camp import dataset
+from camp.common.errors import ConfigError
+from camp.config.compose import compose_config
+from camp.robots.go2 import GO2
+from camp.robots.kinematics import foot_jacobian, foot_position, foot_velocity, inverse_kinematics
+from camp.robots.quadruped import FOOT_NAMES, GRAVITY, JOINT_NAMES, NUM_LEGS
+from camp.robots.registry import DEFAULT_ROBOT, ROBOTS, find_robot
+from camp.robots.robot import Robot
+from camp.sim.base import LINK_NAMES
+from tests.errors import assert_one_line
+from tests.robots.checks import mujoco_feet, random_joints
+
+
+@pytest.fixture(params=list(ROBOTS.values()), ids=list(ROBOTS))
+def robot(request) -> Robot:
+    return request.param
+
+
+def test_joints_gains_and_limits_are_those_of_the_model(robot):
+    model = robot.load_spec().compile()
+    assert [model.actuator(i).name for i in range(model.nu)] == list(JOINT_NAMES)
+    assert [model.joint(name).qposadr[0] for name in JOINT_NAMES] == list(range(7, 19))
+    np.testing.assert_allclose(model.actuator_forcerange[:, 1], robot.torque_limit)
+    np.testing.assert_allclose(-model.actuator_forcerange[:, 0], robot.torque_limit)
+    np.testing.assert_allclose(model.actuator_gainprm[:, 0], robot.pd_gain_p)
+    np.testing.assert_allclose(-model.actuator_biasprm[:, 2], robot.pd_gain_d)
+    np.testing.assert_allclose(model.jnt_range[1:].T, [robot.joint_lower, robot.joint_upper])
+    np.testing.assert_allclose(model.opt.gravity, [0, 0, -GRAVITY])
+    assert model.body_mass.sum() == pytest.approx(robot.mass, abs=0.05)
+
+
+def test_bodies_geoms_and_sensors_have_their_names(robot):
+    model = robot.load_model()
+    assert model.body("payload").parentid == model.body("base").id and model.body("payload").mass == 0.0
+    for name in LINK_NAMES:
+        assert model.body(name).mass > 0.0
+    for leg in FOOT_NAMES:
+        foot = model.geom(f"{leg}_foot")
+        assert foot.bodyid == model.body(f"{leg}_foot").id and foot.priority == 1
+        assert foot.type == mujoco.mjtGeom.mjGEOM_SPHERE and foot.size[0] == robot.leg.foot_radius
+    thighs = [f"{leg}_thigh_contact" for leg in FOOT_NAMES]
+    sensors = [model.sensor(i).name for i in range(model.nsensor)]
+    assert sensors == [*(f"{leg}_contact" for leg in FOOT_NAMES), "base_contact", *thighs]
+    assert model.nsensordata == 3 * model.nsensor
+    assert model.camera("track").id >= 0
+
+
+def test_left_and_right_legs_mirror_each_other(robot):
+    model = robot.load_model()
+    for kind in ("hip", "thigh", "calf"):
+        for left, right in (("FL", "FR"), ("RL", "RR")):
+            a, b = model.body(f"{left}_{kind}"), model.body(f"{right}_{kind}")
+            np.testing.assert_allclose(a.inertia, b.inertia, rtol=1e-9)
+            np.testing.assert_allclose(a.ipos * [1, -1, 1], b.ipos, atol=1e-12)
+            np.testing.assert_allclose(a.pos * [1, -1, 1], b.pos, atol=1e-12)
+
+
+def test_forward_kinematics_matches_mujoco(robot):
+    joints, model = random_joints(robot, 200), robot.load_model()
+    expected = np.stack([mujoco_feet(model, q) for q in joints])
+    np.testing.assert_allclose(foot_position(robot.leg, torch.from_numpy(joints)).numpy(), expected, atol=1e-6)
+
+
+def test_forward_kinematics_is_in_the_base_frame(robot):
+    joints = random_joints(robot, 1, seed=3)[0]
+    quaternion = np.array([0.8, -0.3, 0.4, 0.33])
+    base = np.concatenate([[1.0, -2.0, 0.5], quaternion / np.linalg.norm(quaternion)])
+    expected = mujoco_feet(robot.load_model(), joints, base)
+    np.testing.assert_allclose(foot_position(robot.leg, torch.from_numpy(joints)).numpy(), expected, atol=1e-6)
+
+
+def test_jacobian_matches_autograd(robot):
+    joints = torch.from_numpy(random_joints(robot, 1, seed=1)[0])
+    full = torch.autograd.functional.jacobian(lambda q: foot_position(robot.leg, q), joints)  # (4, 3, 12)
+    analytic = foot_jacobian(robot.leg, joints)
+    for leg in range(4):
+        torch.testing.assert_close(analytic[leg], full[leg, :, 3 * leg : 3 * leg + 3], atol=1e-10, rtol=0)
+
+
+def test_foot_velocity_is_the_time_derivative(robot):
+    q, v = (torch.from_numpy(random_joints(robot, 1, seed=seed)) for seed in (4, 5))
+    h = 1e-6
+    difference = (foot_position(robot.leg, q + h * v) - foot_position(robot.leg, q - h * v)) / (2 * h)
+    torch.testing.assert_close(foot_velocity(robot.leg, q, v), difference, atol=1e-6, rtol=0)
+
+
+def test_inverse_kinematics_inverts_in_the_walking_range(robot):
+    rng = np.random.default_rng(2)
+    low, high = np.array([-0.7, -0.3, -2.6] * 4), np.array([0.7, 2.0, -0.85] * 4)
+    joints = torch.from_numpy(rng.uniform(low, high, (300, 12)))
+    found = inverse_kinematics(robot.leg, foot_position(robot.leg, joints))
+    torch.testing.assert_close(found, joints, atol=1e-6, rtol=0)
+
+
+def test_inverse_kinematics_out_of_reach_stretches_toward_the_target(robot):
+    feet = foot_position(robot.leg, torch.tensor(robot.default_joint_position, dtype=torch.float64))
+    far = feet + torch.tensor([0.0, 0.0, -1.0], dtype=torch.float64)
+    reached = foot_position(robot.leg, inverse_kinematics(robot.leg, far))
+    assert torch.isfinite(reached).all()
+    assert (reached[..., 2] < -0.98 * (robot.leg.thigh_length + robot.leg.calf_length)).all()
+
+
+def test_standing_pose_touches_the_ground_and_holds(robot):
+    model = robot.load_model()
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("stand").id)
+    assert data.qpos[2] == robot.standing_height
+    np.testing.assert_array_equal(data.qpos[7:], robot.default_joint_position)
+    np.testing.assert_array_equal(data.ctrl, robot.default_joint_position)
+    mujoco.mj_kinematics(model, data)
+    lowest = min(data.geom(f"{leg}_foot").xpos[2] for leg in FOOT_NAMES) - robot.leg.foot_radius
+    assert 0.0 <= lowest < 0.005
+    for _ in range(400):
+        mujoco.mj_step(model, data)
+    assert data.qpos[2] > 0.7 * robot.standing_height and data.body("base").xmat[8] > 0.95
+    upward = -sum(data.sensor(f"{leg}_contact").data[2] for leg in FOOT_NAMES)  # of the ground on the robot
+    assert upward == pytest.approx(model.body_mass.sum() * GRAVITY, rel=0.02)
+
+
+def test_torque_model_has_motors(robot):
+    model = robot.load_torque_model()
+    data = mujoco.MjData(model)
+    data.ctrl[:] = 1.0
+    mujoco.mj_forward(model, data)
+    np.testing.assert_allclose(data.actuator_force, 1.0)
+
+
+def test_the_go2_is_as_published():
+    assert GO2.load_model().body_mass.sum() == pytest.approx(6.921 + 4 * (0.678 + 1.152 + 0.241352))
+    assert GO2.torque_limit == (23.7, 23.7, 45.43) * NUM_LEGS
+    assert GO2.leg.thigh_length == GO2.leg.calf_length == 0.213
+
+
+def test_the_robot_is_chosen_by_its_name():
+    assert find_robot("go2") is GO2 and DEFAULT_ROBOT == "go2"
+    assert compose_config([]).robot.name == compose_config(["robot=go2_soft", "run=scratch"]).robot.name == "go2"
+    with pytest.raises(ConfigError, match=r"^robot\.name = 'spot': unknown robot; choose one of go2"):
+        compose_config(["robot.name=spot"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--robot", "spot"], "--robot = 'spot': unknown robot; choose one of go2"),
+        (["--robot", "spot", "validate"], "--robot = 'spot': unknown robot"),
+        (["validate", "--robot", "spot"], "--robot = 'spot': unknown robot"),
+        (["perturbed", "--robot", "spot"], "--robot = 'spot': unknown robot"),
+        (["--only", "gallop_*"], "--only 'gallop_*': fits no clip"),
+    ],
+)
+def test_a_robot_or_clip_that_does_not_exist_is_one_line(arguments, message, capfd):
+    assert dataset.main(arguments) == 2
+    assert_one_line(capfd.readouterr().err, message)
