@@ -45,8 +45,8 @@ One policy for the {robot} with the skills {skills}. The folder is a small run f
 Where the command names places of the machine or the logger, they are left out; `config.yaml` holds every value that was
 in effect.
 
-Judged by `python -m camp.evaluate`, suite {suite} (digest {digest}), docs/evaluation.md. What varies are the walks of
-this one policy: another seed of the training varies more.
+Judged by `python -m camp.evaluate`, suite {suite} (digest {digest}), docs/evaluation.md. The intervals are over
+walks of this one policy; they say nothing about other seeds of the training.
 
 {verdict}
 
