@@ -15,7 +15,7 @@ export MUJOCO_GL ?= $(if $(shell ldconfig -p 2>/dev/null | grep -F libEGL.so),eg
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint check train evaluate figures dataset bench clean
+.PHONY: help setup demo test lint check train evaluate leaderboard figures dataset bench clean
 .NOTPARALLEL:
 
 help: ## list the targets
@@ -61,6 +61,14 @@ train: setup ## train with the 30-minute preset, evaluate the run, draw its figu
 
 evaluate: setup ## evaluate RUN: table, eval.json, eval.npz, videos
 	"$(BIN)/python" -m camp.evaluate run="$(RUN)" $(ARGS)
+
+# Results that are there already are kept: delete outputs/judge to judge anew.
+leaderboard: setup ## put judged policies side by side: outputs/leaderboard/index.html
+	"$(BIN)/python" -m analysis.open_loop outputs/open_loop
+	@test -f outputs/judge/open_loop.json || "$(BIN)/python" -m camp.judge \
+		policy=outputs/open_loop/open_loop.onnx contract=outputs/open_loop/open_loop.json
+	@test -f outputs/judge/expert.json || "$(BIN)/python" -m camp.judge expert
+	"$(BIN)/python" -m camp.leaderboard $(ARGS)
 
 figures: setup ## draw the figures of RUN
 	"$(BIN)/python" -m analysis run="$(RUN)"

@@ -42,7 +42,7 @@ def split(clips: Sequence[Clip], skills: Sequence[Skill]) -> tuple[list[Clip], l
 def samples(clips: Sequence[Clip], skills: Sequence[Skill], ages: Sequence[int]) -> tuple[NDArray, NDArray]:
     """All transitions (B, F * S) of the clips and their labels (B,)."""
     motion = [transitions(torch.from_numpy(amp_state(clip)), ages).flatten(1).numpy() for clip in clips]
-    label = [label_of(clip.gait, clip.frequency_hz, skills) for clip in clips]
+    label = np.array([label_of(clip.gait, clip.frequency_hz, skills) for clip in clips])
     return np.concatenate(motion), np.repeat(label, [len(rows) for rows in motion])
 
 

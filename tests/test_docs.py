@@ -27,6 +27,7 @@ PAGES = [
     *(ROOT / "ablations" / "README.md", ROOT / "src/camp/assets/motions/go2/README.md"),
     *sorted((ROOT / "src/camp/assets/policies").glob("*/README.md")),
 ]
+RECIPES = ROOT / "docs" / "extending.md"  # holds once its recipes are followed, which tests/test_extending.py does
 HYDRA_OPTIONS = re.compile(r"(-m|--multirun|--cfg|job|hydra|-p|hydra\.launcher)$")
 
 
@@ -46,17 +47,17 @@ def lines_of_code(page: Path) -> list[str]:
 def commands(page: Path) -> list[str]:
     """Without comments, and with something in place of <placeholders>."""
     lines = [
-        re.sub(r"\s+#.*", "", line).replace("ablation=<name>", "ablation=no_skill_disc") for line in lines_of_code(page)
+        re.sub(r"\s+#.*", "", line)
+        .replace("ablation=<name>", "ablation=no_skill_disc")
+        .replace("study=<name>", "study=two_states")
+        for line in lines_of_code(page)
     ]
     return [re.sub(r"<[^>]*>", "folder", line) for line in lines]
 
 
 def shown(pattern: str) -> list[str]:
-    """The different commands that begin with a pattern, sorted; of all pages but that of the recipes.
-
-    Those speak of what the recipe has added: tests/test_extending.py runs them.
-    """
-    pages = [page for page in PAGES if page.name != "extending.md"]
+    """The different commands of all pages that begin with a pattern, sorted."""
+    pages = [page for page in PAGES if page != RECIPES]
     return sorted({line for page in pages for line in commands(page) if re.match(pattern, line)})
 
 
@@ -83,9 +84,9 @@ def test_every_relative_link_resolves(page):
             assert anchor in slugs, f"{named(page)} links {target}"
 
 
-@pytest.mark.parametrize("page", PAGES, ids=named)
+@pytest.mark.parametrize("page", [page for page in PAGES if page != RECIPES], ids=named)
 def test_every_file_that_is_named_exists(page):
-    text = re.sub(r"In a new file `[^`]*`", "", page.read_text(encoding="utf-8"))
+    text = page.read_text(encoding="utf-8")
     for place in re.findall(r"`((?:src/camp|tests|conf|analysis|docs|ablations)/[\w/.]*)`", text):
         assert (ROOT / place).exists(), f"{named(page)} names {place}"
 

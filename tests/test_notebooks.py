@@ -44,4 +44,4 @@ def test_from_scratch_trains_and_draws_what_it_learns():
     assert len(images) == 2 + 2 * 2  # the expert's gaits; the policy's, twice
     printed = "".join(o.text for cell in code_cells(notebook) for o in cell.outputs if o.output_type == "stream")
     assert "iteration 2, " in printed and "iteration 3, " in printed
-    assert "commanded bound_3hz: " in printed and "commanded pronk_3hz: " in printed
+    assert "commanded pace_3hz: " in printed and "commanded pronk_3hz: " in printed

@@ -17,11 +17,13 @@ from camp.common.errors import CampError, ConfigError
 from camp.common.paths import policies_root
 from camp.deployment.package import ship_policy
 from camp.deployment.provenance import condensed
+from camp.evaluation.report import Finding, TableI, as_json
 from camp.runs.checkpoint import load_checkpoint
 from camp.runs.folder import results_folder
 from camp.runs.metrics import read_metrics
 from camp.ship import ship
 from tests.errors import assert_one_line
+from tests.evaluation.reports import gait_summary, policy_summary, report, switching_summary
 from tests.small_run import small_run
 
 ARGUMENTS = ["/somewhere/train.py", "run=smoke", "seed=3", "output_dir=/somewhere/runs", "logger.wandb_mode=disabled"]
@@ -29,7 +31,18 @@ TROT = "motion.skills=[trot]"  # a quarter of the clips to load
 SHIPPED = sorted(policies_root().glob("*/config.yaml"))
 
 
-EVALUATION = {"iteration": 7, "policies": {"trained": {}}, "switching": {"established": 1.0}, "verdict": [{}]}
+WALKS = policy_summary({"trot": gait_summary(None, 80)})
+EVALUATION = json.loads(
+    as_json(
+        report(
+            iteration=7,
+            policies={"trained": WALKS},
+            table_i=TableI(WALKS, []),
+            switching=switching_summary(None, 0, 3),
+            verdict=[Finding("gait accuracy", 0.95, True, 0.96, 0.9, 0.99, 80, "not shown", "weakest skill: trot")],
+        )
+    )
+)
 
 
 def finish(run: Path, iterations: int = 7) -> Path:
@@ -184,13 +197,14 @@ def test_what_cannot_be_shipped_is_told_before_anything_is_written(run, tmp_path
 @pytest.mark.parametrize(
     ("file", "content", "message"),
     [
-        ("eval.json", "{", "eval.json is no evaluation's report (Expecting"),
-        ("eval.json", "[7]", "eval.json is no evaluation's report (list indices"),
+        ("eval.json", "{", "eval.json: no evaluation's report (Invalid JSON"),
+        ("eval.json", "[7]", "eval.json: no evaluation's report ("),
         (
             "eval.json",
-            '{"iteration": 7}',
+            json.dumps(EVALUATION | {"policies": {}}),
             "eval.json is of a partial evaluation, without policies; run `python -m camp.",
         ),
+        ("eval.json", '{"iteration": 7}', "of another format than 2, by an older or newer judge"),
         ("eval.json", json.dumps(EVALUATION | {"switching": None}), "of a partial evaluation, without switching"),
         ("eval.npz", "nothing", "eval.npz is damaged; run `python -m camp.evaluate run="),
         ("imitation.jsonl", '{"loss": 1}\n{"lo', "imitation.jsonl: no learning curve (Unterminated"),

@@ -22,8 +22,9 @@ LAYERS = (
     ("algo", "envs"),
     ("config",),
     ("build", "cli"),
-    ("training", "evaluation", "deployment", "single_env"),
-    ("train", "evaluate", "export", "deploy", "dataset", "ship", "bench"),
+    ("training", "evaluation", "single_env"),
+    ("deployment",),
+    ("train", "evaluate", "export", "deploy", "dataset", "ship", "bench", "judge", "leaderboard"),
 )
 # Modules beside the packages that nobody needs to import: the commands, and Gymnasium's entry point.
 ENTRY_POINTS = {*LAYERS[-1], "single_env"}

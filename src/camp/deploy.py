@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from camp.common.errors import CampError
 from camp.deployment.metadata import read_metadata
+from camp.metrics.contact import debounced
 from camp.metrics.gait import measure_gait
 from camp.robots.quadruped import CONTACT_FORCE, FOOT_NAMES
 from camp.robots.registry import find_robot
@@ -251,7 +252,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"performed: fell after {len(done.qpos) * period:.2f} s")
         return 0
     settled = slice(round(SETTLING_S / period), None)
-    gait, velocity = measure_gait(done.contact[None, settled], period), done.velocity[settled].mean(axis=0)
+    contact, velocity = debounced(done.contact[None, settled], period), done.velocity[settled].mean(axis=0)
+    gait = measure_gait(contact, period)
     reached = "{:.2f} {:.2f} m/s {:.2f} rad/s".format(*velocity)
     strides = f"{gait.frequency_hz[0]:.2f} strides per s" if gait.stepping.any() else "no strides"
     print(f"performed: {gait.label[0]} at {reached}, {strides}")

@@ -16,6 +16,7 @@ from camp.sim import choice
 
 PRESETS = sorted(path.stem for path in (config_root() / "run").glob("*.yaml"))
 ABLATIONS = sorted(path.stem for path in (ablation_root() / "ablation").glob("*.yaml"))
+STUDIES = sorted(path.stem for path in (ablation_root() / "study").glob("*.yaml"))
 
 
 @pytest.mark.parametrize("preset", PRESETS)
@@ -39,6 +40,19 @@ def test_every_ablation_changes_the_variant_and_little_else(ablation):
     ]
     assert differing == []
     assert (changed.env, changed.algo) != (plain.env, plain.algo)
+
+
+@pytest.mark.parametrize("ablation", ABLATIONS)
+def test_every_ablation_goes_with_the_recipe_from_scratch(ablation):
+    assert compose_config(["run=scratch", f"+ablation={ablation}"]).variant == ablation
+
+
+@pytest.mark.parametrize("study", STUDIES)
+def test_every_study_changes_the_recipe_from_scratch(study):
+    plain, changed = compose_config(["run=scratch"]), compose_config(["run=scratch", f"+study={study}"])
+    assert changed.variant == study
+    assert (changed.env, changed.algo) != (plain.env, plain.algo)
+    assert (changed.sim, changed.motion, changed.run) == (plain.sim, plain.motion, plain.run)
 
 
 def test_the_papers_ablations_are_there():

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from camp.evaluation.rollout import Recording
+from camp.evaluation.recording import Recording
+from camp.gaits.gait import GAITS as GAITS_OF
 from camp.gaits.schedule import GAIT_PHASES
 from camp.gaits.skills import skill_set
 
@@ -15,23 +16,24 @@ STEPS = 500
 PERIOD = 0.02
 
 
-def contacts(gait: str, frequency: float = 2.5, duty: float = 0.5) -> np.ndarray:
+def contacts(gait: str, frequency: float = 2.5) -> np.ndarray:
+    duty = np.mean([GAITS_OF[gait].duty[2.0], GAITS_OF[gait].duty[3.0]])
     phase = np.arange(STEPS)[:, None] * PERIOD * frequency - np.array(GAIT_PHASES[gait])
     return np.mod(phase, 1.0) < duty
 
 
 def recording(skill: np.ndarray, command: np.ndarray, contact: np.ndarray) -> Recording:
-    """skill (R, T), command (R, 3), contact (R, T, 4): .1 m/s too fast, joints on target, 15 W, no fall."""
+    """skill (R, T), command (R, 3), contact (R, T, 4): .1 m/s too fast, feet lift by 6 cm, joints on target, 15 W."""
     rows, steps = skill.shape
     wave = np.sin(np.arange(steps) * 0.1)[None, :, None]
     joints = np.broadcast_to(wave, (rows, steps, 12)).copy()
-    commands = np.repeat(command[:, None], steps, axis=1)
     return Recording(
         period_s=PERIOD,
         skill=skill,
-        command=commands,
-        velocity=commands + np.array([0.1, 0.0, 0.0]),
+        command=command,
+        velocity=np.repeat(command[:, None], steps, axis=1) + np.array([0.1, 0.0, 0.0]),
         contact=contact,
+        foot_height=np.where(contact, 0.0, 0.06),
         joint_target=joints,
         joint_position=joints.copy(),
         joint_velocity=np.gradient(joints, PERIOD, axis=1),

@@ -1,42 +1,55 @@
-"""Robots under trouble: what a condition changes, and what it is refused for."""
+"""Robots under disturbances: what a condition changes, and what it is refused for."""
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 import torch
 
 from camp.common.errors import ConfigError
+from camp.common.seeding import generator
+from camp.envs.config import NoiseConfig
 from camp.evaluation.conditions import Condition, check_conditions
-from camp.evaluation.plan import disturbed_plan, grid_plan, one_per_gait, switching_plan
-from camp.evaluation.rollout import roll_out
-from camp.gaits.skills import skill_set
+from camp.evaluation.controllers import Sight
+from camp.evaluation.plan import Disturbances, Plan, joined
+from camp.evaluation.recording import record
+from camp.evaluation.rollout import Setting, roll_out
+from camp.evaluation.sampling import standing_starts
+from camp.robots.go2 import GO2
+from camp.sim.base import Dynamics
+
+NOISE = NoiseConfig(
+    enabled=True, angular_velocity_rad_s=0.2, gravity=0.05, joint_position_rad=0.01, joint_velocity_rad_s=1.5
+)
+SETTING = Setting(0.02, GO2, NOISE, push_period_s=0.4, seed=0, threads=1)
+POSE = torch.tensor(GO2.default_joint_position)
 
 
-def test_conditions_become_robots_one_after_the_other():
-    grid = grid_plan(2, [[0.5, 0.0, 0.0], [0.0, 0.0, 0.6], [0.0, 0.0, 0.0]], 10, 0.8)
-    conditions = [
-        Condition.of(entry)
-        for entry in (
-            {"name": "nominal"},
-            {"name": "loaded", "payload_mass_kg": 3, "payload_position_m": -0.1},
-            {"name": "noisy", "noise": 1.0, "push_m_s": 0.5, "kp_scale": 0.8},
-        )
-    ]
-    plan = disturbed_plan(grid, conditions, 0.8, 2.5)
-    assert len(plan) == 18 and plan.skill[:6, 0].tolist() == [0, 0, 0, 1, 1, 1]
-    assert plan.dynamics.payload_mass.tolist() == [0.0] * 6 + [3.0] * 6 + [0.0] * 6
-    assert plan.dynamics.payload_position[6].tolist() == pytest.approx([-0.1] * 3)
-    assert plan.dynamics.kp_scale[12:].unique().tolist() == pytest.approx([0.8])
-    assert plan.dynamics.friction.unique().tolist() == pytest.approx([0.8])
-    assert plan.noise.tolist() == [0.0] * 12 + [1.0] * 6 and plan.push_m_s[-1] == 0.5
+def plan(name: str = "test", num: int = 1, steps: int = 40, **disturbances: float) -> Plan:
+    """Robots that stand."""
+    return Plan(
+        name,
+        torch.zeros(num, steps, dtype=torch.int64),
+        torch.zeros(num, 3),
+        standing_starts(num, (1.0, 1.0), generator(0, "starts")),
+        Dynamics.nominal(num, 0.8, torch.device("cpu")),
+        Disturbances.of(num, **disturbances),
+    )
 
 
-def test_sequences_of_one_skill_of_each_gait():
-    skills = skill_set(("trot", "bound"), "gait_frequency", (2.0, 3.0))
-    assert one_per_gait(skills) == [0, 2]
-    plan = switching_plan([(0, 2), (2, 0)], [[0.5, 0, 0], [0, 0, 0]], 3, 0.8)
-    assert plan.skill[[0, 2]].tolist() == [[0, 0, 0, 2, 2, 2], [2, 2, 2, 0, 0, 0]]
-    assert plan.command[:, 0].tolist() == [0.5, 0.0, 0.5, 0.0]
+class Stepping:
+    """Bends all knees by .1 rad from some time on, and remembers what it saw."""
+
+    def __init__(self, at_s: float = 0.1):
+        self._at = at_s
+
+    def start(self, joint_target: torch.Tensor) -> None:
+        self.seen: list[Sight] = []
+
+    def __call__(self, sight: Sight) -> torch.Tensor:
+        self.seen.append(sight)
+        bent = POSE - 0.1 * (POSE < 0) * (sight.time_s >= self._at - 1e-9)
+        return bent.expand(len(sight.skill), -1)
 
 
 @pytest.mark.parametrize(
@@ -47,6 +60,8 @@ def test_sequences_of_one_skill_of_each_gait():
         ({"name": "a", "friction": 0.0}, r"conditions\[a\].friction = 0.0: choose a finite number above 0"),
         ({"name": "a", "payload_mass_kg": -1.0}, "0 or more"),
         ({"name": "a", "noise": "much"}, "give a finite number"),
+        ({"name": "a", "loss": 1.0}, r"choose a fraction in \[0, 1\)"),
+        ({"name": "a", "delay_s": 0.5}, r"choose 0 to 0.1 s"),
     ],
 )
 def test_a_wrong_condition_is_refused(entry, message):
@@ -54,27 +69,86 @@ def test_a_wrong_condition_is_refused(entry, message):
         check_conditions("robustness.conditions", [entry])
 
 
-def test_conditions_of_one_name_are_refused():
+def test_conditions_of_one_name_or_content_are_refused():
     with pytest.raises(ConfigError, match="name each condition once"):
         check_conditions("robustness.conditions", [{"name": "a"}, {"name": "a"}])
+    with pytest.raises(ConfigError, match="payload low': is the same as nominal"):
+        check_conditions("robustness.conditions", [{"name": "nominal"}, {"name": "payload low", "payload_mass_kg": 0}])
 
 
-def test_trouble_meets_only_its_own_robots(config, clips):
-    grid = grid_plan(1, [[0.5, 0.0, 0.0]], 40, 0.8)
-    entries = ({"name": "nominal"}, {"name": "pushed", "push_m_s": 0.5}, {"name": "noisy", "noise": 1.0})
-    conditions = [Condition.of(entry) for entry in (*entries, {"name": "loaded", "payload_mass_kg": 3.0})]
-    seen: list[torch.Tensor] = []
+def test_a_condition_becomes_robots():
+    condition = Condition.of({"name": "loaded", "payload_mass_kg": 3, "payload_position_m": -0.1, "kp_scale": 0.8})
+    robots = condition.dynamics(2, 0.8)
+    assert robots.payload_mass.tolist() == [3.0, 3.0] and robots.friction.tolist() == pytest.approx([0.8, 0.8])
+    assert robots.payload_position[1].tolist() == pytest.approx([-0.1] * 3)
+    assert robots.kp_scale.unique().tolist() == pytest.approx([0.8])
 
-    def stand(observation):
-        seen.append(observation)
-        return torch.zeros(len(observation), 12)
 
-    recording = roll_out(stand, config, disturbed_plan(grid, conditions, 0.8, 0.4), clips, seed=0)
-    assert not recording.fallen.any()
-    alone = roll_out(stand, config, grid, clips, seed=0)
-    assert (recording.qpos[0] == alone.qpos[0]).all()
-    assert (recording.qpos[1, :20] == alone.qpos[0, :20]).all()  # the first push comes after .4 s
-    assert abs(recording.velocity[1, 20]).max() > 0.2
-    assert (recording.qpos[2] == alone.qpos[0]).all()  # a standing policy does not look at its observation
-    assert (seen[0][2] != seen[0][0]).any() and (seen[0][1] == seen[0][0]).all()
-    assert recording.qpos[3, -1, 2] < recording.qpos[0, -1, 2] - 0.005  # sags
+def test_trouble_meets_only_its_own_robots():
+    loaded = plan("loaded")
+    loaded.dynamics.payload_mass[:] = 3.0
+    plans = [plan("calm"), plan("pushed", push_m_s=0.5), plan("noisy", noise=1.0), loaded]
+    watchers = [Stepping() for _ in plans]
+    calm, pushed, noisy, heavy = roll_out(list(zip(plans, watchers, strict=True)), SETTING)
+    (alone,) = roll_out([(plan("calm"), Stepping())], SETTING)
+    np.testing.assert_array_equal(calm.qpos, alone.qpos)
+    np.testing.assert_array_equal(pushed.qpos[0, :21], calm.qpos[0, :21])  # the push comes after .4 s
+    assert abs(record(pushed).velocity[0, 20]).max() > 0.2 and record(calm).velocity[0, 20].max() < 0.1
+    np.testing.assert_array_equal(noisy.qpos, calm.qpos)  # it does not look at what it sees
+    first = [watcher.seen[0].measurement for watcher in watchers]
+    assert (first[2].gravity != first[0].gravity).all() and (first[1].gravity == first[0].gravity).all()
+    assert heavy.qpos[0, -1, 2] < calm.qpos[0, -1, 2] - 0.005  # sags
+
+
+def test_what_one_plan_draws_does_not_depend_on_the_others():
+    (alone,) = roll_out([(plan("pushed", push_m_s=0.5), Stepping())], SETTING)
+    _, together = roll_out([(plan("calm", num=3), Stepping()), (plan("pushed", push_m_s=0.5), Stepping())], SETTING)
+    np.testing.assert_array_equal(alone.qpos, together.qpos)
+
+
+def test_targets_arrive_as_late_as_said():
+    """A robot whose targets come d physics steps late does what a prompt one does, d steps later."""
+    delays = (0.0, 0.005, 0.01, 0.02, 0.025)
+    traces = roll_out([(plan(f"late {d}", steps=120, delay_s=d), Stepping(at_s=2.0)) for d in delays], SETTING)
+    knee = np.stack([trace.qpos[0, 100:, 9] for trace in traces])  # row 0: when the bend is commanded
+    assert abs(knee[0, 1] - knee[0, 0]) > 0.001
+    np.testing.assert_allclose(knee[3, 1:], knee[0, :-1], atol=2e-3)  # 20 ms: one control step later
+    moved = abs(knee[:, 1] - knee[:, 0])  # in the control step in which the prompt one bends
+    assert moved[0] > moved[1] > moved[2] > 10 * moved[3]
+    moved = abs(knee[:, 2] - knee[:, 0])
+    assert moved[3] > moved[4] > 0.001  # 20 and 25 ms: in the one after it
+
+
+def test_lost_targets_leave_the_last_one_in_place():
+    calm, lossy = roll_out([(plan("a", steps=80), Stepping()), (plan("b", steps=80, loss=0.9), Stepping())], SETTING)
+    assert (lossy.joint_target == calm.joint_target).all()  # what was sent
+    differs = np.flatnonzero(abs(lossy.qpos[0] - calm.qpos[0]).max(axis=1) > 1e-5)
+    assert differs[0] >= 6 and abs(lossy.qpos[0, -1, 9] - calm.qpos[0, -1, 9]) < 0.01  # arrives at last
+
+
+def test_shorter_plans_keep_their_length():
+    whole = joined("both", [plan(steps=10), plan(num=2, steps=30)])
+    assert whole.steps == 30 and len(whole) == 3
+    traces = roll_out([(plan("a", steps=10), Stepping()), (plan("b", num=2, steps=30), Stepping())], SETTING)
+    assert [trace.qpos.shape[:2] for trace in traces] == [(1, 11), (2, 31)]
+    assert traces[0].contact.shape == (1, 40, 4) and traces[0].contact.any()
+
+
+def test_a_fallen_robot_lies_still():
+    tilted = plan(steps=60, num=2)
+    tilted.starts.initial.base_quaternion = tilted.starts.initial.base_quaternion.clone()
+    tilted.starts.initial.base_quaternion[0] = torch.tensor([0.9, 0.43, 0.0, 0.0]) / 0.9975
+    (trace,) = roll_out([(tilted, Stepping())], SETTING)
+    assert trace.steps_upright[0] == 0 and trace.steps_upright[1] == 60
+    made = record(trace)
+    assert made.fallen.tolist() == [True, False]
+    assert not made.contact[0].any() and not made.velocity[0].any() and not made.torque[0].any()
+    assert made.contact[1].any()
+
+
+def test_contacts_of_every_physics_step():
+    (trace,) = roll_out([(plan(steps=50), Stepping())], SETTING)
+    made = record(trace)
+    assert made.contact.shape == (1, 200, 4) and made.contact_period_s == pytest.approx(0.005)
+    assert made.contact[0, 100:].mean() > 0.95 and made.step_contact.shape == (1, 50, 4)
+    assert abs(made.foot_height[0, -1]).max() < 0.01 and made.log(10).contact.shape == (1, 160, 4)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -13,41 +12,31 @@ import pytest
 from camp.cli.hydra_main import run_hydra
 from camp.evaluate import evaluate
 from camp.evaluation import films, record
-from camp.evaluation.tables import printed
-from camp.robots.go2 import GO2
-from camp.train import train
+from camp.evaluation.report import Report, read_report
 from tests.small_run import small_run
 
-TINY = [
-    "run=smoke",
-    "sim.num_envs=8",
-    "sim.threads=1",
-    "run.iterations=1",
-    "motion.num_preloaded=400",
-    "logger.wandb_mode=disabled",
-]
 SHORT = [
     "suite=short",
     "duration_s=2.5",
     "discard_s=0.5",
+    "threads=1",
+    "walks.per_skill=2",
+    "walks.baseline_per_skill=1",
+    "table_i.per_skill=2",
+    "robustness.per_skill=1",
     "commands=[[0.5,0,0]]",
-    "switching.orders=2",
     "switching.within_s=0.5",
     "switching.skill_s=1.5",
+    "switching.skills_per_sequence=2",
     "video_skills=true",
     "video_s=0.2",
 ]
-CONDITIONS = "robustness.conditions=[{name: nominal},{name: loaded,payload_mass_kg: 3},{name: noise,noise: 1}]"
+CONDITIONS = "robustness.conditions=[{name: nominal},{name: loaded,payload_mass_kg: 3},{name: late,delay_s: 0.02}]"
 
 
-def tiny_run(folder: Path, *more: str) -> Path:
-    assert run_hydra("train", train, [*TINY, f"output_dir={folder}", *more]) == 0
-    return (folder / "latest").resolve()
-
-
-def judged(run: Path, *overrides: str) -> dict:
+def judged(run: Path, *overrides: str) -> Report:
     assert run_hydra("evaluation/evaluate", evaluate, [f"run={run}", *SHORT, *overrides]) == 0
-    return json.loads((run / "eval.json").read_text())
+    return read_report(run / "eval.json", "")
 
 
 class FakeRecord:
@@ -66,28 +55,34 @@ class FakeRecord:
 
 
 def test_evaluating_a_run_writes_its_report(tmp_path, capsys, monkeypatch):
-    run, wandb_run = tiny_run(tmp_path, "motion.skills=[trot,bound]"), FakeRecord()
+    run, wandb_run = small_run(tmp_path / "run", ["motion.skills=[trot,bound]"]), FakeRecord()
     config = run / "config.yaml"
     config.write_text(config.read_text().replace("wandb_mode: disabled", "wandb_mode: offline"))
     monkeypatch.setattr(record, "start_wandb", lambda *_: wandb_run)
-    parts = "parts=[gait,switching,tracking,quality,robustness]"
+    parts = "parts=[gait,table_i,switching,tracking,quality,reference,robustness]"
     report = judged(run, parts, "baselines=true", CONDITIONS)
 
-    assert set(report["policies"]) == {"trained", "untrained", "standing"}
-    standing = report["policies"]["standing"]["all"]
-    assert standing["falls"] == 0 and standing["stepping"] == 0.0
-    assert standing["linear_error_fast_m_s"] == pytest.approx(0.5, abs=0.1)
-    assert list(report["robustness"]) == ["nominal", "loaded", "noise"]
-    assert report["switching"]["sequences"] == 2 and report["switching"]["switches"] == 2
-    assert {finding["name"] for finding in report["verdict"]} >= {"gait accuracy", "joint tracking, calf"}
+    assert set(report.policies) == {"trained", "untrained", "standing", "sine"}
+    standing = report.policies["standing"].all
+    assert standing.falls == 0 and standing.stepping == 0.0 and standing.rollouts == 2
+    for name in ("untrained", "standing", "sine"):
+        found = report.policies[name].all.gait_accuracy
+        assert found is not None and found.value == 0.0
+    assert list(report.robustness) == ["nominal", "loaded", "late"]
+    assert report.switching is not None and report.switching.sequences == 2 and report.switching.all.switches == 2
+    assert report.table_i is not None and report.table_i.walks.all.rollouts == 4
+    assert sum(part.right.n for part in report.table_i.friction if part.right) == 4
+    assert {finding.name for finding in report.verdict} >= {"gait accuracy", "gait accuracy, Table I"}
+    assert report.suite.name == "custom" and report.policy is not None and report.iteration == 7
     with np.load(run / "eval.npz", allow_pickle=False) as saved:
         assert saved["contact"].shape == (2, 1, 125, 4)
         assert saved["skill_switch_contact"].shape == (150, 4)
+        assert saved["walk_failed"].shape == (4, 7) and saved["table_i_friction"].shape == (4,)
 
-    assert wandb_run.finished and wandb_run.step == 2
+    assert wandb_run.finished and wandb_run.step == 8
     assert wandb_run.summary["evaluation/policies/standing/all/stepping"] == 0.0
     output = capsys.readouterr()
-    assert "missed" in output.out and "robustness" in output.out
+    assert "missed" in output.out and "one disturbance at a time" in output.out and "walking: 150 of 150" in output.out
     if "no videos" in output.err:
         pytest.skip("no off-screen OpenGL here")
     videos = sorted(path.name for path in (run / "videos").glob("*.mp4"))
@@ -97,24 +92,17 @@ def test_evaluating_a_run_writes_its_report(tmp_path, capsys, monkeypatch):
 
 def test_an_ablation_and_its_skills_of_one_frequency(tmp_path):
     more = ["+ablation=amp_baseline", "motion.labels=gait_frequency", "motion.skills=[trot,pronk]"]
-    run = tiny_run(tmp_path, *more)
+    run = small_run(tmp_path / "run", more)
     report = judged(run, "parts=[gait]", "video=false")
-    assert list(report["policies"]["trained"]["skills"]) == ["trot_2hz", "trot_3hz", "pronk_2hz", "pronk_3hz"]
-    assert "switching" not in report and "robustness" not in report
+    assert list(report.policies["trained"].skills) == ["trot_2hz", "trot_3hz", "pronk_2hz", "pronk_3hz"]
+    assert report.switching is None and report.robustness == {} and report.tracking == {}
 
 
-def test_figures_without_a_value_are_printed_and_logged_as_none():
-    missing = {"name": "gait accuracy", "target": 0.95, "reached": None, "at_least": True, "note": "", "met": False}
-    report = {
-        "verdict": [missing],
-        "style": {"trot": {"policy": None, "expert_same_skill": 0.3, "expert_other_skill": 1}},
-    }
-    assert printed(report).renderables
-    assert record.metrics(report) == {
-        "evaluation/style/trot/expert_same_skill": 0.3,
-        "evaluation/style/trot/expert_other_skill": 1.0,
-        "evaluation/verdict/gait_accuracy": 0.0,
-    }
+def test_the_same_policy_gets_the_same_report(tmp_path):
+    run = small_run(tmp_path / "run", ["motion.skills=[trot,bound]"])
+    first = judged(run, "parts=[gait,table_i]", "video=false")
+    again = judged(run, "parts=[gait,table_i,robustness]", "video=false", "baselines=true", CONDITIONS)
+    assert again.policies["trained"] == first.policies["trained"] and again.table_i == first.table_i
 
 
 def test_places_that_cannot_be_written_are_told_before_work_starts(tmp_path, monkeypatch, capsys):
@@ -122,7 +110,7 @@ def test_places_that_cannot_be_written_are_told_before_work_starts(tmp_path, mon
         raise AssertionError("work has started")
 
     run = small_run(tmp_path / "run")
-    monkeypatch.setattr("camp.evaluate.Judge", work)
+    monkeypatch.setattr("camp.evaluate.Evaluator", work)
     (run / "videos").write_text("")
     assert run_hydra("evaluation/evaluate", evaluate, [f"run={run}"]) == 2
     error = capsys.readouterr().err
@@ -146,18 +134,19 @@ def test_a_video_that_cannot_be_written_leaves_the_others(tmp_path, monkeypatch,
     evaluation: Any = SimpleNamespace(video_skills=True, video_s=0.08, video_command=0, commands=[[0.5, 0, 0]])
     monkeypatch.setattr(films, "RobotRenderer", lambda _: SimpleNamespace(frame=None, close=lambda: None))
     monkeypatch.setattr(films, "write_video", write)
-    assert films.film(GO2, judgement, ["trot", "pace"], evaluation, tmp_path) == {"pace": tmp_path / "pace.mp4"}
+    assert films.film(judgement, ["trot", "pace"], evaluation, tmp_path) == {"pace": tmp_path / "pace.mp4"}
     assert capsys.readouterr().err == f"no video {tmp_path / 'trot.mp4'}: No space left on device\n"
 
 
 @pytest.mark.parametrize(
     ("override", "message"),
     [
-        ("parts=[gait,style,looks]", "choose from gait, switching"),
+        ("parts=[gait,style,looks]", "choose from gait, table_i"),
         ("parts=[]", "parts = []"),
         ("duration_s=3", "leave 2 s or more of the 3.0 s"),
         ("switching.skill_s=1.5", "switching.skill_s = 1.5: choose 2 s or more"),
-        ("switching.orders=0", "switching.orders = 0"),
+        ("switching.skills_per_sequence=1", "switching.skills_per_sequence = 1: choose 2 or more"),
+        ("walks.per_skill=0", "walks.per_skill = 0"),
         ("commands=[[0.5,0]]", "give [vx, vy, yaw rate]"),
         ("robustness.conditions=[{name: ice,fricton: 0.1}]", "robustness.conditions[ice].fricton"),
         ("targets.gait_accuracy=95", "targets.gait_accuracy = 95.0"),

@@ -27,12 +27,12 @@ def test_torque_use_takes_the_joint_nearest_its_limit():
     np.testing.assert_allclose(torque_use(torque, np.array([20.0, 40.0])), [0.75, 1.0])
 
 
-def test_share_at_limit_counts_both_signs():
+def test_fraction_at_limit_counts_both_signs():
     value = np.array([[20.0, 0.0], [-19.9, 39.0]])  # 2 of 4 within a percent
     assert fraction_at_limit(value, np.array([20.0, 40.0])) == pytest.approx(0.5)
 
 
-def test_share_near_stop_counts_both_stops_and_beyond():
+def test_fraction_near_stop_counts_both_stops_and_beyond():
     position = np.array([[-1.1], [-0.96], [0.0], [0.94], [0.99]])  # stops +-1, margin .05
     assert fraction_near_stop(position, np.array([-1.0]), np.array([1.0]), 0.05) == pytest.approx(3 / 5)
 

@@ -10,7 +10,7 @@ from camp.metrics.switching import fraction_within, peak_in_windows, quantile_of
 SECONDS = np.array([0.2, 1.0, np.nan, 1.02])
 
 
-def test_share_within_counts_never_as_no():
+def test_fraction_within_counts_never_as_no():
     assert fraction_within(SECONDS, 1.0) == pytest.approx(0.5)
     assert fraction_within(SECONDS, 2.0) == pytest.approx(0.75)
     assert fraction_within(np.array([50 * 0.02]), 1.0) == 1.0

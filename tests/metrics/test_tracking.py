@@ -8,8 +8,6 @@ import pytest
 from camp.metrics.tracking import (
     VelocityError,
     by_joint_kind,
-    joint_tracking_accuracy,
-    joint_tracking_of_range,
     mean_velocity,
     velocity_error,
     velocity_error_by_command,
@@ -55,38 +53,6 @@ def test_velocity_error_by_turn_does_not_ask_for_the_direction():
 def test_empty_bins_are_left_out_and_inner_bins_named():
     error = VelocityError(linear=np.array([0.2]), angular=np.array([0.1]))
     assert list(velocity_error_by_command(np.array([[0.5, 0, 0]]), error, (0.4, 0.8))) == ["0.4 to 0.8 m/s"]
-
-
-def test_joint_tracking_accuracy_by_hand():
-    actual = np.array([[0.0, -1.0], [0.5, -2.0], [1.0, -3.0]])
-    target = actual + np.array([[0.1, -0.2], [-0.1, 0.2], [0.1, 0.2]])
-    # Joint 0: mean error .1, mean angle .5, range 1; joint 1: .2, 2 and 2.
-    np.testing.assert_allclose(joint_tracking_accuracy(target, actual), [0.8, 0.9])
-    np.testing.assert_allclose(joint_tracking_of_range(target, actual), [0.9, 0.9])
-
-
-def test_share_of_range_ignores_units_and_zero_of_the_angle():
-    rng = np.random.default_rng(0)
-    actual = rng.normal(size=(50, 12))
-    target = actual + 0.1 * rng.normal(size=(50, 12))
-    np.testing.assert_allclose(
-        joint_tracking_of_range(target, actual), joint_tracking_of_range(3 * target + 1, 3 * actual + 1)
-    )
-
-
-def test_a_resting_joint_scores_one_only_where_asked_to_rest():
-    actual = np.full((10, 2), 0.3)
-    target = np.stack([np.full(10, 0.3), np.linspace(0.2, 0.4, 10)], axis=-1)
-    np.testing.assert_allclose(joint_tracking_of_range(target, actual), [1.0, 0.0])
-
-
-@pytest.mark.parametrize("accuracy", [joint_tracking_accuracy, joint_tracking_of_range])
-def test_accuracy_of_a_batch_is_that_of_its_members_and_never_negative(accuracy):
-    rng = np.random.default_rng(1)
-    target, actual = rng.normal(size=(2, 5, 20, 12))
-    batch = accuracy(target, actual)
-    assert batch.shape == (5, 12) and (batch >= 0).all()
-    np.testing.assert_array_equal(batch[3], accuracy(target[3], actual[3]))
 
 
 def test_by_joint_kind_averages_the_legs():

@@ -153,7 +153,7 @@ def test_imitation_counts_from_its_pose(robot, clip, config):
 
 def test_perturbed_clips_of_two_robots_do_not_mix(robot):
     versions = {
-        _expert_version(one, ["trot"]) for one in (GO2, robot, replace(robot, mass=17.0), replace(robot, title="x"))
+        _expert_version(one, ("trot",)) for one in (GO2, robot, replace(robot, mass=17.0), replace(robot, title="x"))
     }
     assert len(versions) == 3  # the title alone changes no clip
 

@@ -20,13 +20,14 @@ from camp.config.resolve import as_yaml, load_run_config
 from camp.config.schema import Config
 from camp.deployment.export import metadata
 from camp.deployment.provenance import condensed, describe, provenance, rounded
+from camp.evaluation.report import Report, read_report
 from camp.runs.checkpoint import save_run_checkpoint
 from camp.runs.folder import ARRAYS, CARD, CONFIG, IMITATION, METADATA, METRICS, REPORT, VERSIONS
 from camp.runs.metrics import read_metrics
 from camp.runs.state import load_state
 
 EVALUATION_FILES = (REPORT, ARRAYS)
-JUDGED = ("policies", "switching", "verdict")  # in the report: what the targets are about, and whether they were met
+JUDGED = ("policies", "table_i", "switching", "verdict")  # in the report: what the targets are about, and the verdict
 
 
 def ship_policy(run: Path, folder: Path, minutes: float | None = None) -> Path:
@@ -41,7 +42,7 @@ def ship_policy(run: Path, folder: Path, minutes: float | None = None) -> Path:
     loaded, state = load_run(run), load_state(run)
     if state.is_shipped:
         raise ConfigError(f"run folder {run}: is a shipped policy already; copy the folder, or ship the run it is from")
-    _check_evaluated(run, loaded.iteration)
+    report = _evaluation(run, loaded.iteration)
     config = _portable(load_run_config(run))
     made_by = provenance(run, loaded.iteration, config, minutes)
     rows, epochs = condensed(read_metrics(run / METRICS)), _epochs(run / IMITATION)
@@ -54,7 +55,7 @@ def ship_policy(run: Path, folder: Path, minutes: float | None = None) -> Path:
         write_text(partial / METADATA, json.dumps(metadata(config), indent=2) + "\n")
         write_text(partial / VERSIONS, json.dumps(made_by.versions, indent=2) + "\n")
         write_text(partial / METRICS, _lines(rows))
-        write_text(partial / CARD, describe(folder.name, made_by))
+        write_text(partial / CARD, describe(folder.name, made_by, report))
         if epochs is not None:
             write_text(partial / IMITATION, _lines(epochs))
         for name in EVALUATION_FILES:
@@ -68,22 +69,23 @@ def ship_policy(run: Path, folder: Path, minutes: float | None = None) -> Path:
     return folder
 
 
-def _check_evaluated(run: Path, iteration: int) -> None:
+def _evaluation(run: Path, iteration: int) -> Report:
+    """The whole evaluation of exactly this policy. Raises CampError where there is none."""
     remedy = f"run `python -m camp.evaluate run={run}` first"
     for name in EVALUATION_FILES:
         if not (run / name).is_file():
             raise ConfigError(f"run folder {run}: holds no {name}; {remedy}")
-    try:
-        report = json.loads((run / REPORT).read_text())
-        judged, lacking = report["iteration"], [key for key in JUDGED if not report.get(key)]
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise ConfigError(f"run folder {run}: {REPORT} is no evaluation's report ({error}); {remedy}") from error
-    if judged != iteration:
-        raise ConfigError(f"run folder {run}: {REPORT} is of iteration {judged}, its policy of {iteration}; {remedy}")
+    report = read_report(run / REPORT, remedy)
+    if report.iteration != iteration:
+        raise ConfigError(
+            f"run folder {run}: {REPORT} is of iteration {report.iteration}, its policy of {iteration}; {remedy}"
+        )
+    lacking = [key for key in JUDGED if not getattr(report, key)]
     if lacking:
         raise ConfigError(f"run folder {run}: {REPORT} is of a partial evaluation, without {lacking[0]}; {remedy}")
     if _damaged_archive(run / ARRAYS):
         raise ConfigError(f"run folder {run}: {ARRAYS} is damaged; {remedy}")
+    return report
 
 
 def _damaged_archive(path: Path) -> bool:

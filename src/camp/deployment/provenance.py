@@ -13,6 +13,8 @@ import numpy as np
 
 from camp.common.errors import CheckpointError
 from camp.config.schema import Config
+from camp.evaluation.report import Report
+from camp.evaluation.tables import verdict_markdown
 from camp.robots.registry import find_robot
 from camp.runs.folder import IMITATION, METRICS, VERSIONS, resumed_at
 from camp.runs.metrics import read_metrics
@@ -42,6 +44,11 @@ One policy for the {robot} with the skills {skills}. The folder is a small run f
 
 Where the command names places of the machine or the logger, they are left out; `config.yaml` holds every value that was
 in effect.
+
+Judged by `python -m camp.evaluate`, suite {suite} (digest {digest}), docs/evaluation.md. The intervals are over
+walks of this one policy; they say nothing about other seeds of the training.
+
+{verdict}
 
 | file | |
 |---|---|
@@ -96,7 +103,7 @@ def provenance(run: Path, iteration: int, config: Config, minutes: float | None)
     )
 
 
-def describe(name: str, made_by: Provenance) -> str:
+def describe(name: str, made_by: Provenance, report: Report) -> str:
     """The policy's README."""
     config, versions, git = made_by.config, made_by.versions, made_by.versions["git"] or {}
     resumed = ", resumed at " + ", ".join(map(str, made_by.resumed_at)) if made_by.resumed_at else ""
@@ -117,6 +124,9 @@ def describe(name: str, made_by: Provenance) -> str:
         cpus=versions["cpu_count"],
         backend=config.sim.backend,
         packages=", ".join(f"{package} {version}" for package, version in versions["packages"].items()),
+        suite=report.suite.name,
+        digest=report.suite.digest,
+        verdict=verdict_markdown(report.verdict),
         imitation=", `imitation.jsonl`" if made_by.imitated else "",
         rows=-(-made_by.rows // block),
         span="one for each iteration" if block == 1 else f"each the mean of {block} iterations",

@@ -204,7 +204,7 @@ class HardeningConfig:
 
     initial: float | None = None  # difficulty in [0, 1] at the start; null: all of it from the start
     step: float = 0.05  # of the difficulty, at one reading of the gaits (run.gait_every)
-    accuracy_up: float = 0.9  # harder where this share shows its gait, mean over skills, ...
+    accuracy_up: float = 0.9  # harder where this fraction shows its gait, mean over skills, ...
     falls_per_1000_steps: float = 1.0  # ... and no more fall
     accuracy_down: float = 0.75  # easier below it
 
@@ -218,7 +218,7 @@ class HardeningConfig:
             0.0 <= self.accuracy_down <= self.accuracy_up,
             "env.hardening.accuracy_down",
             self.accuracy_down,
-            f"choose a share within 0 .. accuracy_up ({self.accuracy_up})",
+            f"choose a fraction within 0 .. accuracy_up ({self.accuracy_up})",
         )
 
 

@@ -91,3 +91,10 @@ def sliding_speed(robot: Robot, measurement: Measurement) -> Tensor:
     velocity = centre + torch.linalg.cross(turning, lowest)
     down = measurement.gravity[:, None]
     return (velocity - (velocity * down).sum(dim=-1, keepdim=True) * down).norm(dim=-1)
+
+
+def foot_height(robot: Robot, measurement: Measurement) -> Tensor:
+    """Height of each foot's lowest point above flat ground, (N, 4) m; below 0 where the soft ground gives way."""
+    down = measurement.gravity[:, None]
+    below = (measurement.foot_position * down).sum(dim=-1) + robot.leg.foot_radius
+    return measurement.base_position[:, 2:] - below

@@ -371,9 +371,7 @@ def _with_history(state: dict[str, Any]) -> dict[str, Any]:
     ``starts_observed`` was called ``starts_sight``."""
     if "amp_state" not in state:
         return state
-    observed: dict[str, Tensor] = dict(
-        state["starts_observed"] if "starts_observed" in state else state["starts_sight"]
-    )
+    observed: dict[str, Any] = dict(state["starts_observed" if "starts_observed" in state else "starts_sight"])
     starts = state["starts"] | {"amp_history": observed.pop("amp_state")[:, None]}
     return state | {"amp_history": state["amp_state"][:, None], "starts": starts, "starts_observed": observed}
 

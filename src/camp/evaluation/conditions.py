@@ -1,4 +1,4 @@
-"""The troubles that robustness is measured under, as conf/evaluation lists them."""
+"""The disturbances that robots are measured under, as conf/evaluation lists them."""
 
 from __future__ import annotations
 
@@ -22,9 +22,10 @@ DYNAMICS_KEYS = {
     "kp_scale": "kp_scale",
     "kd_scale": "kd_scale",
 }
+LONGEST_DELAY_S = 0.1
 _SIGNED = ("payload_position_m",)
 _POSITIVE = ("link_mass_scale", "friction", "motor_strength_scale", "kp_scale", "kd_scale")
-_TROUBLES = ("noise", "push_m_s")
+_DISTURBANCES = ("noise", "push_m_s", "delay_s", "loss")
 
 
 @dataclass(frozen=True)
@@ -33,14 +34,16 @@ class Condition:
 
     name: str
     values: dict[str, float]  # keys of DYNAMICS_KEYS
-    noise: float = 0.0  # times the sensor noise of the run's conf/env
+    noise: float = 0.0  # times the suite's sensor noise
     push_m_s: float = 0.0  # sudden change of the base's horizontal velocity
+    delay_s: float = 0.0  # by which joint targets reach the motors late
+    loss: float = 0.0  # fraction of the joint targets that never do: the motors go on with the one before
 
     @classmethod
     def of(cls, entry: dict[str, Any]) -> Self:
         """From an entry that `check_conditions` has let through."""
         values = {key: float(entry[key]) for key in DYNAMICS_KEYS if key in entry}
-        return cls(str(entry["name"]), values, **{key: float(entry[key]) for key in _TROUBLES if key in entry})
+        return cls(str(entry["name"]), values, **{key: float(entry[key]) for key in _DISTURBANCES if key in entry})
 
     def dynamics(self, num: int, friction: float) -> Dynamics:
         """``num`` robots under this condition; ``friction`` where the condition says nothing about it."""
@@ -52,24 +55,38 @@ class Condition:
 
 def check_conditions(key: str, entries: Sequence[Any]) -> None:
     """Raise ConfigError for the first entry that is no condition; ``key`` is where they stand."""
-    seen: set[str] = set()
+    seen: dict[str, str] = {}
     for entry in entries:
         named = isinstance(entry, dict) and isinstance(entry.get("name"), str)
         checks.require(named, key, entry, "give {name: ..., and what differs}")
         name = entry["name"]
         checks.require(name not in seen, key, name, "name each condition once")
-        seen.add(name)
         for what, value in entry.items():
             if what != "name":
                 _check_value(f"{key}[{name}].{what}", what, value)
+        same = [other for other, text in seen.items() if text == _content(entry)]
+        checks.require(not same, key, name, f"is the same as {', '.join(same)}: measure each condition once")
+        seen[name] = _content(entry)
+
+
+def _content(entry: dict[str, Any]) -> str:
+    """What differs, as text; values that are nothing (a payload of 0 kg) left out."""
+    neutral = {"payload_mass_kg": 0.0, "noise": 0.0, "push_m_s": 0.0, "delay_s": 0.0, "loss": 0.0} | {
+        key: 1.0 for key in _POSITIVE if key != "friction"
+    }
+    return str(sorted((k, float(v)) for k, v in entry.items() if k != "name" and float(v) != neutral.get(k)))
 
 
 def _check_value(key: str, what: str, value: Any) -> None:
-    known = (*DYNAMICS_KEYS, *_TROUBLES)
+    known = (*DYNAMICS_KEYS, *_DISTURBANCES)
     checks.require(what in known, key, value, f"unknown; choose from {', '.join(known)}")
     number = isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
     checks.require(number, key, value, "give a finite number")
     if what in _POSITIVE:
         checks.positive(key, value)
+    elif what == "loss":
+        checks.fraction_below_one(key, value)
+    elif what == "delay_s":
+        checks.require(0.0 <= value <= LONGEST_DELAY_S, key, value, f"choose 0 to {LONGEST_DELAY_S:g} s")
     elif what not in _SIGNED:
         checks.not_negative(key, value)

@@ -8,22 +8,20 @@ from pathlib import Path
 
 from camp.common.errors import CampError
 from camp.evaluation.config import EvaluationConfig
-from camp.evaluation.judge import Judgement
-from camp.robots.robot import Robot
+from camp.evaluation.evaluator import Judgement
+from camp.evaluation.robot import ROBOT
 from camp.sim.rendering import RobotRenderer, write_video
 
 STEPS_PER_FRAME = 2  # 25 frames per second
 
 
-def film(
-    robot: Robot, judgement: Judgement, skills: Sequence[str], evaluation: EvaluationConfig, folder: Path
-) -> dict[str, Path]:
+def film(judgement: Judgement, skills: Sequence[str], evaluation: EvaluationConfig, folder: Path) -> dict[str, Path]:
     """The mp4s that ``evaluation`` asks for, by name, in ``folder``, which exists.
 
     Without OpenGL none, and those that cannot be written are left out: a line on stderr says so.
     """
     try:
-        renderer = RobotRenderer(robot.load_model())
+        renderer = RobotRenderer(ROBOT.load_model())
     except CampError as error:
         print(f"no videos: {error}", file=sys.stderr)
         return {}

@@ -1,4 +1,4 @@
-"""What the roll-outs of a grid show, robot by robot; the parts of the report are averages of it."""
+"""What walks show, robot by robot; the parts of the report are averages of it."""
 
 from __future__ import annotations
 
@@ -8,59 +8,92 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from camp.evaluation.rollout import Recording
-from camp.gaits.skills import Skill, names, performed
-from camp.metrics.gait import GaitMeasurement, measure_gait
+from camp.evaluation.recording import Recording
+from camp.gaits.skills import NO_SKILL, Skill
+from camp.metrics.criteria import CRITERIA, WalkReading, failures, is_right, read_walks
 from camp.metrics.tracking import VelocityError, mean_velocity, velocity_error
 
 FELL = "fell"
 
 
 @dataclass
-class GridReading:
-    """R roll-outs of one skill and command each, the first ``discard_s`` s left out."""
+class Reading:
+    """R walks of one skill and command each, the first ``discard_s`` s left out of all but falls."""
 
-    recording: Recording  # without them; `steps_upright` still counts from the start
-    skills: tuple[str, ...]  # names in label order
-    wanted: NDArray[np.integer]  # (R,) label commanded
-    command: NDArray[np.floating]  # (R, 3)
+    recording: Recording
+    first_step: int  # from which on the walk counts
+    skills: tuple[Skill, ...]
+    gait: WalkReading
     velocity: NDArray[np.floating]  # (R, 3) mean
     error: VelocityError  # of the mean velocity, each (R,); a robot that fell has velocity 0 from there on
-    gait: GaitMeasurement
+    failed: dict[str, NDArray[np.bool_]]  # (R,) by criterion, of the commanded skill
     shown: NDArray[np.str_]  # (R,) skill performed, "none" or "fell"
-    fallen: NDArray[np.bool_]  # (R,) at any time, the discarded one included
+
+    @property
+    def wanted(self) -> NDArray[np.integer]:
+        """(R,) label commanded."""
+        return self.recording.skill[:, 0]
+
+    @property
+    def command(self) -> NDArray[np.floating]:
+        """(R, 3)."""
+        return self.recording.command
+
+    @property
+    def fallen(self) -> NDArray[np.bool_]:
+        """(R,) at any time, the discarded one included."""
+        return self.recording.fallen
 
     @property
     def right(self) -> NDArray[np.bool_]:
-        """(R,) roll-outs that show the commanded skill."""
-        return self.shown == np.array(self.skills)[self.wanted]
+        """(R,) walks that stay upright and fail no criterion of the commanded skill."""
+        return is_right(self.failed) & ~self.fallen
 
     @property
     def stepping(self) -> NDArray[np.bool_]:
-        """(R,) upright roll-outs in which every foot steps."""
-        return self.gait.stepping.all(axis=1) & ~self.fallen
+        """(R,) upright walks in which every foot steps."""
+        return self.gait.stepping & ~self.fallen
 
     def groups(self) -> Iterator[tuple[str, NDArray[np.bool_]]]:
-        """The roll-outs (R,) of every skill, and "all"."""
-        for label, name in enumerate(self.skills):
-            yield name, self.wanted == label
+        """The walks (R,) of every skill, and "all"."""
+        for label, skill in enumerate(self.skills):
+            yield skill.name, self.wanted == label
         yield "all", np.ones(len(self.wanted), dtype=bool)
 
+    def take(self, rows: NDArray[np.integer]) -> Reading:
+        """The walks ``rows``."""
+        return Reading(
+            self.recording.take(rows),
+            self.first_step,
+            self.skills,
+            self.gait.take(rows),
+            self.velocity[rows],
+            VelocityError(self.error.linear[rows], self.error.angular[rows]),
+            {name: value[rows] for name, value in self.failed.items()},
+            self.shown[rows],
+        )
 
-def read_grid(recording: Recording, skills: Sequence[Skill], discard_s: float) -> GridReading:
-    """Gaits from measured contacts and errors of the mean velocity."""
-    settled, fallen = recording.since(round(discard_s / recording.period_s)), recording.fallen
-    gait = measure_gait(settled.contact, settled.period_s)
-    velocity = mean_velocity(settled.velocity, settled.period_s)
-    command = settled.command[:, 0]
-    return GridReading(
-        recording=settled,
-        skills=names(skills),
-        wanted=settled.skill[:, 0],
-        command=command,
-        velocity=velocity,
-        error=velocity_error(command, velocity),
+
+def read(recording: Recording, skills: Sequence[Skill], discard_s: float) -> Reading:
+    """Gaits from measured contacts and foot heights, errors of the mean velocity."""
+    first = round(discard_s / recording.period_s)
+    gait = read_walks(recording.log(first))
+    velocity = mean_velocity(recording.velocity[:, first:], recording.period_s)
+    wanted, num = recording.skill[:, 0], len(recording)
+    failed = {name: np.zeros(num, dtype=bool) for name in CRITERIA}
+    shown = np.full(num, NO_SKILL, dtype=object)
+    for label, skill in enumerate(skills):
+        found = failures(gait, skill.gait, skill.frequency_hz)
+        shown[is_right(found)] = skill.name
+        for name in CRITERIA:
+            failed[name] = np.where(wanted == label, found[name], failed[name])
+    return Reading(
+        recording=recording,
+        first_step=first,
+        skills=tuple(skills),
         gait=gait,
-        shown=np.where(fallen, FELL, performed(gait.label, gait.frequency_hz, skills)),
-        fallen=fallen,
+        velocity=velocity,
+        error=velocity_error(recording.command, velocity),
+        failed=failed,
+        shown=np.where(recording.fallen, FELL, shown).astype(str),
     )

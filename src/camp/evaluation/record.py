@@ -8,12 +8,16 @@ from typing import Any
 
 from camp.build import Run
 from camp.config.resolve import as_yaml
+from camp.evaluation.report import Report, as_plain
 from camp.runs.wandb_run import RunIdentity, start_wandb
 
-SECTIONS = ("policies", "expert", "switching", "tracking", "quality", "style", "robustness")
+SECTIONS = (
+    *("policies", "expert", "table_i", "switching", "tracking"),
+    *("quality", "reference", "style", "robustness"),
+)
 
 
-def log_evaluation(run: Run, folder: Path, report: dict[str, Any], videos: dict[str, Path]) -> None:
+def log_evaluation(run: Run, folder: Path, report: Report, videos: dict[str, Path]) -> None:
     """Log the report's numbers and the videos, as the run's own ``logger`` settings say. Raises ConfigError."""
     config = run.config
     if config.logger.wandb_mode == "disabled":
@@ -33,14 +37,14 @@ def log_evaluation(run: Run, folder: Path, report: dict[str, Any], videos: dict[
         record.finish()
 
 
-def metrics(report: Mapping[str, Any]) -> dict[str, float]:
+def metrics(report: Report) -> dict[str, float]:
     """The numbers of a report by their path, such as ``evaluation/gait/trot/gait_accuracy``."""
-    result = {}
+    result, plain = {}, as_plain(report)
     for section in SECTIONS:
-        result |= dict(_numbers(f"evaluation/{section}", report.get(section, {})))
-    for finding in report["verdict"]:
-        name = finding["name"].replace(", ", "_").replace("/", "_per_").replace(" ", "_")
-        result[f"evaluation/verdict/{name}"] = float(finding["met"])
+        result |= dict(_numbers(f"evaluation/{section}", plain[section]))
+    for finding in report.verdict:
+        name = finding.name.replace(", ", "_").replace("/", "_per_").replace(" ", "_")
+        result[f"evaluation/verdict/{name}"] = float(finding.verdict == "shown")
     return result
 
 
@@ -48,5 +52,8 @@ def _numbers(path: str, value: Any):
     if isinstance(value, Mapping):
         for key, inner in value.items():
             yield from _numbers(f"{path}/{str(key).replace('/', '_per_').replace(' ', '_')}", inner)
+    elif isinstance(value, list):
+        for index, inner in enumerate(value):
+            yield from _numbers(f"{path}/{index}", inner)
     elif isinstance(value, int | float):
         yield path, float(value)

@@ -1,166 +1,178 @@
-"""Rolling a policy out as planned, all robots at once."""
+"""Rolling policies out as planned, all robots at once."""
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Callable
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from camp.build import build_env
-from camp.config.schema import Config
-from camp.envs.config import EXTERNAL
-from camp.envs.measurement import measure, sliding_speed
-from camp.envs.observations import noise_width
-from camp.evaluation.physics import MotorLaw
-from camp.evaluation.plan import Plan
-from camp.motion.clips.clip import Clip
+from camp.common.seeding import generator
+from camp.envs.config import NoiseConfig, TerminationConfig
+from camp.envs.measurement import Measurement, measure
+from camp.envs.terminations import failed
+from camp.evaluation.controllers import Controller, Sight
+from camp.evaluation.plan import Plan, joined
+from camp.evaluation.simulation import WatchedSimulator, on_floor
+from camp.robots.robot import Robot
+from camp.sim.base import RobotState
 
-Policy = Callable[[Tensor], Tensor]  # observation (N, O) -> action (N, 12)
+FALL = TerminationConfig(body_contact_force_n=1.0, tilt_rad=0.8)  # as in training; AMP on A1
+Progress = Callable[[int, int], None]  # control steps done, and in all
 Floats = NDArray[np.floating]
 
 
-@dataclass
-class Recording:
-    """What R robots did over T control steps of ``period_s`` s.
-
-    From its first fall on a robot counts as lying still: no speed, no contacts, no torques, its last pose.
-    """
+@dataclass(frozen=True)
+class Setting:
+    """What all robots of a batch have in common."""
 
     period_s: float
-    skill: NDArray[np.integer]  # (R, T) label commanded
-    command: Floats  # (R, T, 3) vx, vy in m/s, yaw rate in rad/s
-    velocity: Floats  # (R, T, 3) the same, reached at the step's end
-    contact: NDArray[np.bool_]  # (R, T, 4) at its end
-    joint_target: Floats  # (R, T, 12) rad, held during the step
-    joint_position: Floats  # (R, T, 12) rad, at its end
-    joint_velocity: Floats  # (R, T, 12) rad/s, at its end
-    torque: Floats  # (R, T, 2, 12) N m, when the target is set and at the step's end
-    power: Floats  # (R, T) W, sum over the joints of |torque x velocity|, mean of these two moments
-    foot_speed: Floats  # (R, T, 4) m/s over the ground, at the step's end
-    amp_state: Floats  # (R, T, 43) at the step's end
-    qpos: Floats  # (R, T, 19) at the step's end, for pictures
+    robot: Robot  # with the policy's nominal gains
+    noise: NoiseConfig
+    push_period_s: float
+    seed: int
+    timestep_s: float = 0.005
+    threads: int = 0
+
+
+@dataclass
+class Trace:
+    """What the R robots of a plan did over its T control steps; C contacts of each foot per control step.
+
+    From its first fall on a robot lies still: no contacts, no speed, its last pose.
+    """
+
+    setting: Setting
+    plan: Plan
+    qpos: Floats  # (R, T + 1, 19) from the start on
+    qvel: Floats  # (R, T + 1, 18)
+    joint_target: Floats  # (R, T, 12) rad, that the policy asked for
+    contact: NDArray[np.bool_]  # (R, T C, 4), True where the foot carries more than 1 N
     steps_upright: NDArray[np.integer]  # (R,) T where it never fell
 
-    def __len__(self) -> int:
-        return len(self.steps_upright)
 
-    @property
-    def fallen(self) -> NDArray[np.bool_]:
-        """(R,) robots that fell."""
-        return self.steps_upright < self.contact.shape[1]
-
-    def take(self, rows: slice | NDArray) -> Recording:
-        """The robots ``rows``."""
-        return Recording(self.period_s, **{name: value[rows] for name, value in self._arrays().items()})
-
-    def since(self, step: int) -> Recording:
-        """All robots from a step on; ``steps_upright`` still counts from the start."""
-        later = {name: value[:, step:] if value.ndim > 1 else value for name, value in self._arrays().items()}
-        return Recording(self.period_s, **later)
-
-    def _arrays(self) -> dict[str, NDArray]:
-        return {f.name: getattr(self, f.name) for f in fields(self) if f.name != "period_s"}
-
-
-# What a fallen robot has none of, and what it keeps: what the simulation shows then is the restarted robot's.
-_GONE = ("velocity", "contact", "joint_velocity", "torque", "power", "foot_speed")
-_KEPT = ("joint_target", "joint_position", "amp_state", "qpos")
-
-
-def evaluation_setting(config: Config, steps: int) -> Config:
-    """The run's configuration on the CPU, with standing starts, without randomness of its own, commanded from outside
-    in episodes that outlast ``steps``."""
-    setting = copy.deepcopy(config)
-    setting.sim = config.sim.on_cpu()
-    env = setting.env
-    env.command.source = EXTERNAL
-    env.episode_s = (steps + 1) * env.control_period_s
-    env.episode_growth.initial_s = env.episode_growth.by_skill_from_s = env.hardening.initial = None
-    env.noise.enabled = env.randomization.enabled = env.push.enabled = False
-    env.initialization.reference_fraction = 0.0
-    env.initialization.joint_position_scale = [1.0, 1.0]
-    return setting
-
-
-def roll_out(policy: Policy, config: Config, plan: Plan, clips: list[Clip], seed: int) -> Recording:
-    """Run the deterministic ``policy`` with the robots of ``plan``.
-
-    config: that of the run; clips: its expert clips; seed: of the sensor noise and the pushes' directions.
-    """
-    num, steps = plan.skill.shape
-    env = build_env(evaluation_setting(config, steps), clips, num_envs=num)
-    motors = MotorLaw.of(env.robot, plan.dynamics)
-    trouble = _Trouble(plan, noise_width(env.actor_entries, config.env.noise), config.env.control_period_s, seed)
-    kept: dict[str, list[Tensor]] = {}
-    steps_upright = torch.full((num,), steps)
+def roll_out(
+    jobs: Sequence[tuple[Plan, Controller]], setting: Setting, progress: Progress | None = None
+) -> list[Trace]:
+    """Run every plan by its controller, all in one batch; what one plan draws at random does not depend on another."""
+    whole = joined("batch", [plan for plan, _ in jobs])
+    ends = np.cumsum([len(plan) for plan, _ in jobs]).tolist()
+    groups = [
+        (slice(end - len(plan), end), plan, controller, _Disturbances(plan, setting))
+        for end, (plan, controller) in zip(ends, jobs, strict=True)
+    ]
+    num, steps = len(whole), whole.steps
+    delay = np.round(whole.disturbances.delay_s.numpy() / setting.timestep_s).astype(int)
+    sim = WatchedSimulator(setting.robot, setting.period_s, setting.timestep_s, setting.threads, delay)
     try:
-        env.reset(seed=seed, options={"stagger": False, "dynamics": plan.dynamics})
-        before = env.sim.state
+        sim.prepare(whole.dynamics)
+        sim.reset(torch.ones(num, dtype=torch.bool), whole.starts.initial)
+        sim.hold_before(whole.starts.joint_target)
+        for rows, _, controller, _ in groups:
+            controller.start(whole.starts.joint_target[rows])
+        notes = _Notes(num, steps, sim)
+        target, change, floor = torch.zeros(num, 12), torch.zeros(num, 3), on_floor(num)
+        held = whole.starts.joint_target.clone()
         for step in range(steps):
-            skill = plan.skill[:, step]
-            if step == 0 or not torch.equal(skill, plan.skill[:, step - 1]):
-                env.set_command(plan.command, skill)
-            with torch.no_grad():
-                action = policy(trouble.observed(env.observation))
-            trouble.push(step, env.sim.push)
-            result = env.advance(action)
-            after = env.sim.state
-            steps_upright = torch.where(result.terminated, steps_upright.clamp(max=step), steps_upright)
-            target = env.default_pose + config.robot.action_scale * action
-            joints = ((state.joint_position, state.joint_velocity) for state in (before, after))
-            torques = [(motors.torque(target, *joint), joint[1]) for joint in joints]
-            values = {
-                "skill": skill,
-                "command": plan.command,
-                "velocity": result.velocity,
-                "contact": result.foot_contact,
-                "joint_target": target,
-                "joint_position": after.joint_position,
-                "joint_velocity": after.joint_velocity,
-                "torque": torch.stack([torque for torque, _ in torques], dim=1),
-                "power": sum((torque * speed).abs().sum(dim=1) for torque, speed in torques) / len(torques),
-                "foot_speed": sliding_speed(env.robot, measure(env.robot, after)),
-                "amp_state": result.transition[:, -1],
-                "qpos": after.qpos(),
-            }
-            for name, value in values.items():
-                kept.setdefault(name, []).append(value)
-            before = after
+            true = measure(setting.robot, sim.state)
+            for rows, _, controller, disturbances in groups:
+                seen = disturbances.sensed(_rows(true, rows))
+                sight = Sight(seen, whole.command[rows], whole.skill[rows, step], step * setting.period_s)
+                with torch.no_grad():
+                    target[rows] = controller(sight)
+                held[rows] = disturbances.arriving(target[rows], held[rows])
+                change[rows] = disturbances.push(step)
+            sim.push(change)
+            sim.step(held)
+            fell = failed(measure(setting.robot, sim.state), sim.diverged(), FALL)
+            notes.take(step, target, sim, fell)
+            if fell.any():
+                sim.reset(fell, floor)
+            if progress is not None:
+                progress(step + 1, steps)
     finally:
-        env.close()
-    arrays = {name: torch.stack(values, dim=1).numpy() for name, values in kept.items()}
-    for robot, upright in enumerate(steps_upright.tolist()):
-        for name in _GONE:
-            arrays[name][robot, upright:] = 0
-        for name in _KEPT:
-            arrays[name][robot, upright:] = arrays[name][robot, max(upright - 1, 0)]
-    return Recording(config.env.control_period_s, steps_upright=steps_upright.numpy(), **arrays)
+        sim.close()
+    return [notes.trace(setting, plan, rows) for rows, plan, _, _ in groups]
 
 
-class _Trouble:
-    """Sensor noise and pushes, robot by robot."""
+class _Notes:
+    """What happens, step by step, of all robots."""
 
-    def __init__(self, plan: Plan, width: Tensor, period_s: float, seed: int):
-        self._noise = plan.noise[:, None] * width  # (R, O) half-width
-        self._push = plan.push_m_s
-        self._steps = max(1, round(plan.push_period_s / period_s))
-        self._generator = torch.Generator().manual_seed(seed)
+    def __init__(self, num: int, steps: int, sim: WatchedSimulator):
+        self.upright = np.full(num, steps)
+        self.qpos, self.qvel = np.empty((num, steps + 1, 19), np.float32), np.empty((num, steps + 1, 18), np.float32)
+        self.target = np.empty((num, steps, 12), np.float32)
+        self.contact = np.empty((num, steps, sim.substeps, 4), dtype=bool)
+        self._state(0, sim.state)
 
-    def observed(self, observation: Tensor) -> Tensor:
-        """The observation as the policy gets it."""
-        if not self._noise.any():
-            return observation
-        draw = torch.rand(observation.shape, generator=self._generator) * 2.0 - 1.0
-        return observation + self._noise * draw
+    def _state(self, row: int, state: RobotState) -> None:
+        self.qpos[:, row] = state.qpos()
+        velocity = (state.base_linear_velocity, state.base_angular_velocity, state.joint_velocity)
+        self.qvel[:, row] = torch.cat(velocity, dim=1)
 
-    def push(self, step: int, apply: Callable[[Tensor], None]) -> None:
-        """Push the robots that have it coming, (R, 3) m/s."""
-        if step == 0 or step % self._steps or not self._push.any():
-            return
-        angle = 2.0 * torch.pi * torch.rand(len(self._push), generator=self._generator)
-        apply(torch.stack([torch.cos(angle), torch.sin(angle), torch.zeros_like(angle)], 1) * self._push[:, None])
+    def take(self, step: int, target: Tensor, sim: WatchedSimulator, fell: Tensor) -> None:
+        self.upright = np.where(fell.numpy(), np.minimum(self.upright, step), self.upright)
+        self.target[:, step], self.contact[:, step] = target, sim.contact
+        self._state(step + 1, sim.state)
+
+    def trace(self, setting: Setting, plan: Plan, rows: slice) -> Trace:
+        """The part of one plan, its fallen robots lying still."""
+        steps = plan.steps
+        qpos, qvel = self.qpos[rows, : steps + 1], self.qvel[rows, : steps + 1]
+        target, contact = self.target[rows, :steps], self.contact[rows, :steps]
+        upright = np.minimum(self.upright[rows], steps)
+        for robot in np.flatnonzero(upright < steps):
+            last = upright[robot]
+            contact[robot, last:], qvel[robot, last + 1 :] = False, 0.0
+            qpos[robot, last + 1 :], target[robot, last:] = qpos[robot, last], target[robot, max(last - 1, 0)]
+        return Trace(setting, plan, qpos, qvel, target, contact.reshape(len(plan), -1, 4), upright)
+
+
+class _Disturbances:
+    """Sensor noise, pushes and lost targets of one plan's robots."""
+
+    def __init__(self, plan: Plan, setting: Setting):
+        self._trouble, self._setting = plan.disturbances, setting
+        self._steps = max(1, round(setting.push_period_s / setting.period_s))
+        self._noise, self._pushes, self._losses = (
+            generator(setting.seed, f"evaluation/{plan.name}/{what}") for what in ("noise", "pushes", "losses")
+        )
+
+    def sensed(self, true: Measurement) -> Measurement:
+        """What the sensors tell the policy."""
+        if not self._trouble.noise.any():
+            return true
+        width = self._setting.noise
+        return replace(
+            true,
+            angular_velocity=self._noisy(true.angular_velocity, width.angular_velocity_rad_s),
+            gravity=self._noisy(true.gravity, width.gravity),
+            joint_position=self._noisy(true.joint_position, width.joint_position_rad),
+            joint_velocity=self._noisy(true.joint_velocity, width.joint_velocity_rad_s),
+        )
+
+    def _noisy(self, value: Tensor, width: float) -> Tensor:
+        draw = torch.rand(value.shape, generator=self._noise) * 2.0 - 1.0
+        return value + width * self._trouble.noise[:, None] * draw
+
+    def arriving(self, sent: Tensor, held: Tensor) -> Tensor:
+        """The targets (R, 12) that the motors get: the latest, or the one before where it was lost."""
+        if not self._trouble.loss.any():
+            return sent
+        lost = torch.rand(len(sent), generator=self._losses) < self._trouble.loss
+        return torch.where(lost[:, None], held, sent)
+
+    def push(self, step: int) -> Tensor:
+        """Change of each base's velocity, (R, 3) m/s."""
+        size = self._trouble.push_m_s
+        if step == 0 or step % self._steps or not size.any():
+            return torch.zeros(len(size), 3)
+        angle = 2.0 * torch.pi * torch.rand(len(size), generator=self._pushes)
+        return torch.stack([torch.cos(angle), torch.sin(angle), torch.zeros_like(angle)], 1) * size[:, None]
+
+
+def _rows(measurement: Measurement, rows: slice) -> Measurement:
+    return Measurement(**{name: value[rows] for name, value in vars(measurement).items()})

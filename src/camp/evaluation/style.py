@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from camp.evaluation.reading import GridReading
+from camp.evaluation.reading import Reading
+from camp.evaluation.report import StyleSummary
 from camp.evaluation.values import mean
 from camp.gaits.skills import Skill
 from camp.metrics.style import nearest_distance, stride_window
@@ -30,7 +30,7 @@ class _Motion:
         return nearest_distance(self.window, others, scale)
 
 
-def summarize_style(reading: GridReading, skills: Sequence[Skill], clips: Sequence[Clip]) -> dict[str, Any]:
+def summarize_style(reading: Reading, skills: Sequence[Skill], clips: Sequence[Clip]) -> dict[str, StyleSummary]:
     """Mean DTW distance of AMP states to the nearest clip, see `camp.metrics.style.dtw_distance`, per skill.
 
     policy: of the roll-outs that stayed upright, to the clips of the commanded skill; expert_same_skill: of the
@@ -50,11 +50,11 @@ def summarize_style(reading: GridReading, skills: Sequence[Skill], clips: Sequen
         experts = [own[i] for i in chosen]
         rows = np.flatnonzero((reading.wanted == label) & ~reading.fallen).tolist()
         robots = [_of_robot(reading, row) for row in rows]
-        result[skill.name] = {
-            "policy": _mean_nearest(robots, own, scale),
-            "expert_same_skill": _mean_nearest(experts, own, scale),
-            "expert_other_skill": _mean_nearest(experts, others, scale),
-        }
+        result[skill.name] = StyleSummary(
+            policy=_mean_nearest(robots, own, scale),
+            expert_same_skill=_mean_nearest(experts, own, scale),
+            expert_other_skill=_mean_nearest(experts, others, scale),
+        )
     return result
 
 
@@ -76,11 +76,11 @@ def _of_clip(clip: Clip) -> _Motion:
     return _Motion(stride_window(amp_state(clip).astype(np.float64), clip.foot_contact, rows), clip.command)
 
 
-def _of_robot(reading: GridReading, row: int) -> _Motion:
-    recording = reading.recording
+def _of_robot(reading: Reading, row: int) -> _Motion:
+    recording, first = reading.recording, reading.first_step
     rows = _rows(reading.gait.frequency_hz[row], recording.period_s)
-    window = stride_window(recording.amp_state[row].astype(np.float64), recording.contact[row], rows)
-    return _Motion(window, reading.command[row])
+    state, contact = recording.amp_state[row, first:].astype(np.float64), recording.step_contact[row, first:]
+    return _Motion(stride_window(state, contact, rows), reading.command[row])
 
 
 def _rows(frequency_hz: float, period_s: float) -> int:

@@ -1,161 +1,174 @@
-"""The report as printed: one table per part, units in the headings."""
+"""The report as printed: one table per part, units in the headings, samples and intervals beside the figures."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
 
 from rich.console import Group
 from rich.table import Table
 
-Report = dict[str, Any]
+from camp.evaluation.cells import cell, fraction_cells, percent, table
+from camp.evaluation.motion_tables import reference_table, robustness_table, switching_table
+from camp.evaluation.report import (
+    Finding,
+    PolicySummary,
+    QualitySummary,
+    Report,
+    StyleSummary,
+    TableI,
+    TrackingSummary,
+)
 
 
 def printed(report: Report) -> Group:
-    """All tables for the parts that the report has."""
-    tables = []
-    if "policies" in report:
-        tables.append(_gaits(report))
-    for key, make in (("tracking", _tracking), ("quality", _quality), ("style", _style)):
-        if key in report:
-            tables.append(make(report[key]))
-    if "switching" in report:
-        tables.append(_switching(report["switching"]))
-    if "robustness" in report:
-        tables.append(_robustness(report["robustness"]))
-    return Group(*tables, _verdict(report["verdict"]))
+    """All tables for the parts that the report has, the verdict last."""
+    tables: list[Table] = []
+    if report.policies:
+        tables += [_gaits(report), _reasons(report.policies["trained"], "nominal")]
+    if report.table_i is not None:
+        tables += [_table_i(report.table_i), _reasons(report.table_i.walks, "Table I"), _friction(report.table_i)]
+    parts: list[tuple[object, Callable[..., Table]]] = [
+        (report.tracking, _tracking),
+        (report.quality, _quality),
+        (report.reference, reference_table),
+        (report.style, _style),
+        (report.switching, switching_table),
+        (report.robustness, robustness_table),
+    ]
+    tables += [make(part) for part, make in parts if part]
+    if report.verdict:
+        tables.append(verdict_table(report.verdict, f"verdict, suite {report.suite.name} ({report.suite.digest})"))
+    return Group(*tables)
+
+
+def verdict_table(findings: Sequence[Finding], title: str) -> Table:
+    """Every target with figure, interval, sample and what they show."""
+    result = table(title, ("target",), ("asked for", "reached", "95 % interval", "n", "", "of"))
+    for finding in findings:
+        bound = "at least" if finding.at_least else "at most"
+        result.add_row(
+            finding.name,
+            f"{bound} {finding.target:g}",
+            cell(finding.reached, ".3f"),
+            "-" if finding.low is None else f"{finding.low:.3f} to {finding.high:.3f}",
+            str(finding.n),
+            finding.verdict,
+            finding.note,
+        )
+    return result
+
+
+def verdict_markdown(findings: Sequence[Finding]) -> str:
+    """The same in Markdown."""
+    lines = ["| target | asked for | reached | 95 % interval | n | |", "|---|---|---|---|---|---|"]
+    for finding in findings:
+        bound = ">=" if finding.at_least else "<="
+        interval = "-" if finding.low is None else f"{finding.low:.3f} to {finding.high:.3f}"
+        note = f" ({finding.note})" if finding.note else ""
+        lines.append(
+            f"| {finding.name}{note} | {bound} {finding.target:g} | {cell(finding.reached, '.3f')} | {interval} "
+            f"| {finding.n} | {finding.verdict} |"
+        )
+    return "\n".join(lines)
 
 
 def _gaits(report: Report) -> Table:
     """One row per policy, for the first one also a row per skill."""
-    headings = ("gait right", "stepping", "falls", "Hz", "expert Hz", "duty", "flight", "v err m/s", "yaw err rad/s")
-    table = _table("gaits", ("policy", "skill"), (*headings, "thigh", "calf"))
-    expert = report.get("expert", {})
-    for policy, summary in report["policies"].items():
-        skills = summary["skills"] if policy == "trained" else {}
-        for skill, part in (skills | {"all": summary["all"]}).items():
-            joint = part["joint_tracking"]
-            table.add_row(
+    headings = ("n", "gait right", "95 %", "falls", "stepping", "Hz", "expert Hz", "duty", "flight", "touches")
+    result = table("gaits, nominal", ("policy", "skill"), (*headings, "v err m/s", "yaw err rad/s"))
+    for policy, summary in report.policies.items():
+        skills = summary.skills if policy == "trained" else {}
+        for skill, part in (skills | {"all": summary.all}).items():
+            expert = report.expert.get(skill) if policy == "trained" else None
+            result.add_row(
                 policy,
                 skill,
-                _percent(part["gait_accuracy"]),
-                _percent(part["stepping"]),
-                f"{part['falls']}/{part['rollouts']}",
-                _cell(part["frequency_hz"], ".2f"),
-                _cell(expert.get(skill, {}).get("frequency_hz") if policy == "trained" else None, ".2f"),
-                _cell(part["duty"], ".2f"),
-                _cell(part["flight_fraction"], ".2f"),
-                _cell(part["linear_error_m_s"], ".3f"),
-                _cell(part["yaw_rate_error_rad_s"], ".3f"),
-                _cell(joint.get("thigh"), ".1%"),
-                _cell(joint.get("calf"), ".1%"),
+                str(part.rollouts),
+                *fraction_cells(part.gait_accuracy),
+                str(part.falls),
+                percent(part.stepping),
+                cell(part.frequency_hz, ".2f"),
+                cell(expert.frequency_hz if expert else None, ".2f"),
+                cell(part.duty, ".2f"),
+                cell(part.flight_fraction, ".2f"),
+                cell(part.touches_per_stride, ".2f"),
+                cell(part.linear_error_m_s, ".3f"),
+                cell(part.yaw_rate_error_rad_s, ".3f"),
                 end_section=skill == "all",
             )
-    return table
+    return result
 
 
-def _tracking(tracking: Report) -> Table:
-    speeds, turns = tracking["all"]["by_speed"], tracking["all"]["by_turn"]
-    headings = [f"v err {name}" for name in speeds] + [f"yaw err {name}" for name in turns]
-    table = _table("velocity errors by command, m/s and rad/s", ("skill",), headings)
-    for skill, part in tracking.items():
-        cells = [part["by_speed"][name]["linear_error_m_s"] for name in speeds]
-        cells += [part["by_turn"][name]["yaw_rate_error_rad_s"] for name in turns]
-        table.add_row(skill, *(_cell(cell, ".3f") for cell in cells))
-    return table
+def _reasons(walks: PolicySummary, condition: str) -> Table:
+    """Upright walks by what is wrong with them."""
+    criteria = list(walks.all.failed)
+    title = f"walks that are not right, {condition}, by criterion (one walk may fail several)"
+    result = table(title, ("skill",), ("n", "fell", *criteria))
+    for skill, part in (walks.skills | {"all": walks.all}).items():
+        counts = (part.rollouts, part.falls, *part.failed.values())
+        result.add_row(skill, *(str(count) if count else "-" for count in counts))
+    return result
 
 
-def _quality(quality: Report) -> Table:
-    headings = ("falls/min", "peak torque", "at limit", "near stop", "action rate rad", "slip m/s", "power W", "CoT")
-    table = _table("quality", ("skill",), headings)
-    for skill, part in quality.items():
-        table.add_row(
+def _table_i(found: TableI) -> Table:
+    headings = ("n", "gait right", "95 %", "falls", "v err m/s", "yaw err rad/s")
+    result = table("the whole of Table I, sensor noise and pushes at once", ("skill",), headings)
+    for skill, part in (found.walks.skills | {"all": found.walks.all}).items():
+        result.add_row(
             skill,
-            _cell(part["falls_per_minute"], ".2f"),
-            _percent(part["peak_torque_share"]),
-            _cell(part["torque_at_limit_share"], ".2%"),
-            _cell(part["joint_near_stop_share"], ".2%"),
-            _cell(part["action_rate_rad"], ".3f"),
-            _cell(part["foot_slip_m_s"], ".3f"),
-            _cell(part["power_w"], ".0f"),
-            _cell(part["cost_of_transport"], ".2f"),
+            str(part.rollouts),
+            *fraction_cells(part.gait_accuracy),
+            str(part.falls),
+            cell(part.linear_error_m_s, ".3f"),
+            cell(part.yaw_rate_error_rad_s, ".3f"),
         )
-    return table
+    return result
 
 
-def _style(style: Report) -> Table:
+def _friction(found: TableI) -> Table:
+    result = table("by friction, under the same", ("friction",), ("n", "gait right", "95 %", "falls"))
+    for part in found.friction:
+        if part.low is None:
+            name = "all" if part.high is None else f"below {part.high:g}"
+        else:
+            name = f"from {part.low:g}" if part.high is None else f"{part.low:g} to {part.high:g}"
+        result.add_row(name, str(part.right.n if part.right else 0), *fraction_cells(part.right), str(part.falls))
+    return result
+
+
+def _tracking(tracking: dict[str, TrackingSummary]) -> Table:
+    speeds, turns = tracking["all"].by_speed, tracking["all"].by_turn
+    headings = [f"v err {name}" for name in speeds] + [f"yaw err {name}" for name in turns]
+    result = table("velocity errors by command, m/s and rad/s", ("skill",), headings)
+    for skill, part in tracking.items():
+        cells = [part.by_speed[name].linear_error_m_s if name in part.by_speed else None for name in speeds]
+        cells += [part.by_turn[name].yaw_rate_error_rad_s if name in part.by_turn else None for name in turns]
+        result.add_row(skill, *(cell(value, ".3f") for value in cells))
+    return result
+
+
+def _quality(quality: dict[str, QualitySummary]) -> Table:
+    headings = ("falls/min", "peak torque", "at limit", "near stop", "action rate rad", "slip m/s", "power W", "CoT")
+    result = table("quality", ("skill",), headings)
+    for skill, part in quality.items():
+        result.add_row(
+            skill,
+            cell(part.falls_per_minute, ".2f"),
+            percent(part.peak_torque_share),
+            cell(part.torque_at_limit_share, ".2%"),
+            cell(part.joint_near_stop_share, ".2%"),
+            cell(part.action_rate_rad, ".3f"),
+            cell(part.foot_slip_m_s, ".3f"),
+            cell(part.power_w, ".0f"),
+            cell(part.cost_of_transport, ".2f"),
+        )
+    return result
+
+
+def _style(style: dict[str, StyleSummary]) -> Table:
     headings = ("policy", "expert, same skill", "expert, other skill")
-    table = _table("distance to the nearest expert clip (DTW)", ("skill",), headings)
+    result = table("distance to the nearest expert clip (DTW)", ("skill",), headings)
     for skill, part in style.items():
-        keys = ("policy", "expert_same_skill", "expert_other_skill")
-        table.add_row(skill, *(_cell(part[key], ".2f") for key in keys))
-    return table
-
-
-def _switching(switching: Report) -> Table:
-    headings = ("switches", f"within {switching['within_s']:g} s", "median s", "90 % s")
-    peaks = ("peak torque", "steady", "jump rad/s", "steady")
-    title = f"switching: {switching['sequences']} sequences, {switching['falls']} falls"
-    table = _table(title, ("to",), headings + peaks)
-    for name, part in (switching["to_gait"] | {"all": switching}).items():
-        at_switch, steady = part["at_switch"], part["steady"]
-        table.add_row(
-            name,
-            str(part["switches"]),
-            _percent(part["established"]),
-            _cell(part["seconds_median"], ".2f"),
-            _cell(part["seconds_90_percent"], ".2f"),
-            _percent(at_switch["peak_torque_share"]),
-            _percent(steady["peak_torque_share"]),
-            _cell(at_switch["velocity_jump_rad_s"], ".1f"),
-            _cell(steady["velocity_jump_rad_s"], ".1f"),
-        )
-    return table
-
-
-def _robustness(robustness: Report) -> Table:
-    table = _table("robustness", ("condition",), ("gait right", "weakest skill", "falls", "v err m/s", "yaw err rad/s"))
-    for name, part in robustness.items():
-        weakest = min(part["skills"], key=part["skills"].__getitem__)
-        table.add_row(
-            name,
-            _percent(part["gait_accuracy"]),
-            f"{weakest} {_percent(part['skills'][weakest])}",
-            f"{part['falls']}/{part['rollouts']}",
-            _cell(part["linear_error_m_s"], ".3f"),
-            _cell(part["yaw_rate_error_rad_s"], ".3f"),
-        )
-    return table
-
-
-def _verdict(findings: Sequence[Report]) -> Table:
-    table = _table("verdict", ("target",), ("asked for", "reached", "", "of"))
-    for finding in findings:
-        bound = "at least" if finding["at_least"] else "at most"
-        table.add_row(
-            finding["name"],
-            f"{bound} {finding['target']:g}",
-            _cell(finding["reached"], ".3f"),
-            "met" if finding["met"] else "missed",
-            finding["note"],
-        )
-    return table
-
-
-def _table(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
-    table = Table(title=title, title_justify="left")
-    for heading in left:
-        table.add_column(heading)
-    for heading in right:
-        table.add_column(heading, justify="right")
-    return table
-
-
-def _percent(value: float | None) -> str:
-    """Whole percent, rounded down: 100 % is what has no exception."""
-    return "-" if value is None else f"{math.floor(100.0 * value + 1e-9)}%"
-
-
-def _cell(value: float | None, form: str) -> str:
-    return "-" if value is None else format(value, form)
+        values = (part.policy, part.expert_same_skill, part.expert_other_skill)
+        result.add_row(skill, *(cell(value, ".2f") for value in values))
+    return result

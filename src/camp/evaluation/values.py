@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from camp.metrics.tracking import by_joint_kind
+from camp.evaluation.report import Estimate
+from camp.metrics.statistics import Interval, fraction_interval, mean_interval
 
 Floats = NDArray[np.floating]
 
@@ -25,6 +26,16 @@ def circular_mean(phase: Floats) -> float | None:
     return float(angle / (2 * np.pi) % 1.0)
 
 
-def by_kind(accuracy: Floats) -> dict[str, float]:
-    """Mean over roll-outs and legs of (R, 12), per kind of joint; empty where there are no roll-outs."""
-    return {k: float(v) for k, v in by_joint_kind(accuracy.mean(axis=0)).items()} if len(accuracy) else {}
+def estimate(interval: Interval | None) -> Estimate | None:
+    """As the report holds it."""
+    return None if interval is None else Estimate(interval.value, interval.low, interval.high, interval.n)
+
+
+def fraction(holds: NDArray[np.bool_]) -> Estimate | None:
+    """Fraction of the walks (R,) for which something holds, with Wilson's interval."""
+    return estimate(fraction_interval(int(holds.sum()), len(holds)))
+
+
+def mean_estimate(values: Floats) -> Estimate | None:
+    """Mean of (R,) with its bootstrap interval."""
+    return estimate(mean_interval(values))

@@ -1,69 +1,66 @@
-"""Were the targets met?"""
+"""Does the sample show that the targets are met?"""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import Any
-
 from camp.evaluation.config import TargetsConfig
+from camp.evaluation.report import Estimate, Finding, Report
+from camp.evaluation.values import estimate
+from camp.metrics.statistics import Interval, rare_interval
 
 
-@dataclass(frozen=True)
-class Finding:
-    """One target beside what was reached."""
-
-    name: str
-    target: float
-    reached: float | None  # None: there was nothing to measure
-    at_least: bool  # the target is a lower bound; else an upper one
-    note: str = ""
-
-    @property
-    def met(self) -> bool:
-        if self.reached is None:
-            return False
-        return self.reached >= self.target if self.at_least else self.reached <= self.target
-
-    def plain(self) -> dict[str, Any]:
-        return asdict(self) | {"met": self.met}
-
-
-def judge_targets(report: dict[str, Any], targets: TargetsConfig) -> list[Finding]:
-    """The targets whose part has been evaluated.
-
-    report: with "policies" and "switching" as in eval.json, where they have been evaluated. Joint tracking is that of
-    the switching sequences, as in the paper, or else of the grid.
-    """
-    trained, switching = report.get("policies", {}).get("trained"), report.get("switching")
-    findings = []
-    if trained is not None:
-        accuracy = {name: part["gait_accuracy"] for name, part in trained["skills"].items()}
-        weakest = min(accuracy, key=lambda name: accuracy[name])
-        findings.append(Finding("gait accuracy", targets.gait_accuracy, accuracy[weakest], True, f"weakest: {weakest}"))
-    if switching is not None and switching["established"] is not None:  # one gait alone has nothing to switch to
-        share, note = switching["established"], f"within {switching['within_s']:g} s"
-        findings.append(Finding("switches established", targets.switches_established, share, True, note))
-    findings += _falls(trained, switching, targets.falls_per_100_episodes)
-    if trained is not None:
-        for name, key in (
-            ("velocity error, m/s", "linear_error_m_s"),
-            ("yaw rate error, rad/s", "yaw_rate_error_rad_s"),
-        ):
-            findings.append(Finding(name, getattr(targets, key), trained["all"][key], False, "mean over the grid"))
-    source = switching or (trained or {}).get("all")
-    if source is not None:
-        where = "switching sequences" if switching else "grid"
-        for kind in ("thigh", "calf"):
-            reached = source["joint_tracking"].get(kind)
-            findings.append(Finding(f"joint tracking, {kind}", targets.joint_tracking, reached, True, where))
+def judge_targets(report: Report, targets: TargetsConfig) -> list[Finding]:
+    """The targets whose part has been evaluated, those of the headline condition beside the nominal ones."""
+    trained, switching, findings = report.policies.get("trained"), report.switching, []
+    if trained is not None and "gait" in report.parts:
+        accuracy = {name: part.gait_accuracy for name, part in trained.skills.items() if part.gait_accuracy}
+        weakest = min(accuracy, key=lambda name: (accuracy[name].value, accuracy[name].low))
+        findings.append(
+            _finding("gait accuracy", targets.gait_accuracy, accuracy[weakest], True, f"weakest skill: {weakest}")
+        )
+    if report.table_i is not None:
+        walks = report.table_i.walks.all
+        note = f"all skills; {walks.falls} of {walks.rollouts} fall"
+        findings.append(_finding("gait accuracy, Table I", targets.table_i_accuracy, walks.gait_accuracy, True, note))
+    if switching is not None and switching.all.completed is not None:  # one skill alone has nothing to switch to
+        note = f"within {switching.within_s:g} s"
+        findings.append(_finding("switches completed", targets.switches_completed, switching.all.completed, True, note))
+    findings += _falls(report, targets.falls_per_100_episodes)
+    if "all" in report.tracking:
+        errors = report.tracking["all"]
+        findings.append(
+            _finding("velocity error, m/s", targets.linear_error_m_s, errors.linear_error_m_s, False, "mean over walks")
+        )
+        findings.append(
+            _finding(
+                "yaw rate error, rad/s",
+                targets.yaw_rate_error_rad_s,
+                errors.yaw_rate_error_rad_s,
+                False,
+                "mean over walks",
+            )
+        )
     return findings
 
 
-def _falls(trained: dict[str, Any] | None, switching: dict[str, Any] | None, target: float) -> list[Finding]:
-    """Falls among the roll-outs without disturbance, where there were any."""
-    counts = [(trained["all"]["falls"], trained["all"]["rollouts"])] if trained else []
-    counts += [(switching["falls"], switching["sequences"])] if switching else []
-    falls, episodes = sum(count[0] for count in counts), sum(count[1] for count in counts)
-    if not episodes:
+def _falls(report: Report, target: float) -> list[Finding]:
+    """Falls among the walks without disturbance, where there were any."""
+    counts = []
+    if "trained" in report.policies and "gait" in report.parts:
+        walks = report.policies["trained"].all
+        counts.append((walks.falls, walks.rollouts))
+    if report.switching is not None:
+        counts.append((report.switching.falls, report.switching.sequences))
+    falls, episodes = (sum(column) for column in zip(*counts, strict=True)) if counts else (0, 0)
+    found = rare_interval(falls, episodes)
+    if found is None:
         return []
-    return [Finding("falls per 100 episodes", target, 100.0 * falls / episodes, False, f"{falls} in {episodes}")]
+    hundred = Interval(100 * found.value, 100 * found.low, 100 * found.high, episodes)
+    return [_finding("falls per 100 episodes", target, estimate(hundred), False, f"{falls} in {episodes}")]
+
+
+def _finding(name: str, target: float, found: Estimate | None, at_least: bool, note: str) -> Finding:
+    if found is None:
+        return Finding(name, target, at_least, None, None, None, 0, "missed", note)
+    interval = Interval(found.value, found.low, found.high, found.n)
+    verdict = interval.verdict(target, at_least)
+    return Finding(name, target, at_least, found.value, found.low, found.high, found.n, verdict, note)

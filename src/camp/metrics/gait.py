@@ -7,6 +7,7 @@ four strides). Legs are ordered FL, FR, RL, RR. Arrays: N sequences, T control s
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -109,12 +110,11 @@ def phase_error(phase: Array, gait: str) -> Array:
     return pair_phase_errors(phase, gait).mean(axis=-1)
 
 
-def label_over_time(contact: NDArray[np.bool_], period_s: float, window_s: float = 1.0) -> list[str]:
-    """Gait label at each control step of one sequence, read from the window centred on it.
+def measure_over_time(contact: NDArray[np.bool_], period_s: float, window_s: float = 1.0) -> GaitMeasurement:
+    """The gait at each of the T control steps of one sequence (T, 4), read from the window centred on it.
 
-    contact: (T, 4) bool. The first and last half window repeat the nearest whole window's label. Centred, so
-    that a label changes where the gait does, not half a window later. Raises ValueError where the sequence is
-    shorter than the window.
+    The first and last half window repeat the nearest whole window. Centred, so that a label changes where the gait
+    does, not half a window later. Raises ValueError where the sequence is shorter than the window.
     """
     length = round(window_s / period_s)
     if len(contact) < length:
@@ -122,23 +122,27 @@ def label_over_time(contact: NDArray[np.bool_], period_s: float, window_s: float
             f"contact holds {len(contact)} steps, the window {length}: pass more steps or a shorter window"
         )
     windows = np.moveaxis(sliding_window_view(contact, length, axis=0), -1, 1)  # (T - L + 1, L, 4)
-    label = measure_gait(windows, period_s).label
-    centre = np.clip(np.arange(len(contact)) - length // 2, 0, len(label) - 1)
-    return label[centre].tolist()
+    measured = measure_gait(windows, period_s)
+    centre = np.clip(np.arange(len(contact)) - length // 2, 0, len(windows) - 1)
+    return GaitMeasurement(**{name: value[centre] for name, value in vars(measured).items()})
 
 
-def switch_time(label: list[str], gait: str, switch_step: int, period_s: float, hold_s: float = 1.0) -> float:
+def label_over_time(contact: NDArray[np.bool_], period_s: float, window_s: float = 1.0) -> list[str]:
+    """The label of `measure_over_time` at each step."""
+    return measure_over_time(contact, period_s, window_s).label.tolist()
+
+
+def switch_time(label: Sequence[str], gait: str, switch_step: int, period_s: float, hold_s: float = 1.0) -> float:
     """Seconds from the switch until the new gait is labelled for hold_s without a break; nan if never.
 
-    label: one gait name per control step (`label_over_time`); switch_step: the row at which `gait` was
-    commanded.
+    label: one name, of a gait or a skill, per control step; switch_step: the row at which `gait` was commanded.
     """
     right = np.asarray(label[switch_step:]) == gait
     length = round(hold_s / period_s)
     if len(right) < length:
         return float("nan")
-    established = np.flatnonzero(sliding_window_view(right, length).all(axis=1))
-    return float(established[0] * period_s) if len(established) else float("nan")
+    completed = np.flatnonzero(sliding_window_view(right, length).all(axis=1))
+    return float(completed[0] * period_s) if len(completed) else float("nan")
 
 
 def _segments(signal: Array, period_s: float) -> Array:

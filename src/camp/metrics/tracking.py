@@ -1,6 +1,6 @@
-"""How well a motion follows what was asked: base velocity against the command, joints against their targets.
+"""How well a motion follows what was asked: base velocity against the command.
 
-Pure numpy. T control steps, J joints, three command entries vx, vy (m/s) and wz (rad/s) in the base frame.
+Pure numpy. T control steps, three command entries vx, vy (m/s) and wz (rad/s) in the base frame.
 """
 
 from __future__ import annotations
@@ -68,43 +68,10 @@ def velocity_error_by_turn(command: Array, error: VelocityError, edges: tuple[fl
     return _by_bin(np.abs(command[:, 2]), error, edges, "rad/s")
 
 
-def joint_tracking_accuracy(target: Array, actual: Array) -> Array:
-    """Joint tracking accuracy per joint, 1 - mean |target - actual| / mean |actual|, at least 0.
-
-    target: (..., T, J) rad, the PD target held during each control step; actual: (..., T, J) rad, the
-    position at the END of that step. Returns (..., J).
-
-    The paper reports 91.23 % (thigh) and 91.38 % (calf) for its Fig. 5 without a formula. A PD target leads
-    its joint by (torque + Kd speed) / Kp, some .1 to .3 rad under the robot's weight, so among the usual
-    measures only an error relative to the joint's angle can give such numbers: the project's expert clips
-    reach .88 and .90. It fits, too, that the paper leaves out the hips, whose angle is near 0, where a
-    relative error means nothing, here neither. Use it to compare with the paper only: a robot that stands
-    still scores .89 and .91, while `joint_tracking_of_range` gives it 0.
-    """
-    return _accuracy(target, actual, np.abs(np.asarray(actual, dtype=np.float64)).mean(axis=-2))
-
-
-def joint_tracking_of_range(target: Array, actual: Array) -> Array:
-    """As `joint_tracking_accuracy`, with the error as a fraction of the motion: max actual - min actual.
-
-    Independent of where an angle's zero lies, hence comparable between joints. The range is the joint's own:
-    a policy cannot raise its score by throwing its targets wider, and a joint that rests while its target
-    moves scores 0. The expert clips reach .75 (thigh) and .58 (calf).
-    """
-    return _accuracy(target, actual, np.ptp(np.asarray(actual, dtype=np.float64), axis=-2))
-
-
 def by_joint_kind(value: Array) -> dict[str, Array]:
     """Mean over the four legs of (..., 12) in canonical joint order, keyed hip, thigh, calf, each (...,)."""
     per_leg = np.asarray(value).reshape(*np.shape(value)[:-1], 4, 3)
     return {kind: per_leg[..., i].mean(axis=-1) for i, kind in enumerate(JOINT_KINDS)}
-
-
-def _accuracy(target: Array, actual: Array, scale: Array) -> Array:
-    """1 - mean error over time / scale, (..., T, J) and (..., J) -> (..., J); 1 without any error."""
-    error = np.abs(np.asarray(target, dtype=np.float64) - np.asarray(actual, dtype=np.float64)).mean(axis=-2)
-    fraction = np.divide(error, scale, out=np.where(error > 0, np.inf, 0.0), where=scale > 0)
-    return np.maximum(1.0 - fraction, 0.0)
 
 
 def _by_bin(size: Array, error: VelocityError, edges: tuple[float, ...], unit: str) -> dict[str, VelocityError]:

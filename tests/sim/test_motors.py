@@ -1,4 +1,4 @@
-"""Torques and sliding feet against MuJoCo's own."""
+"""Torques and heights of feet against MuJoCo's own."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 import torch
 
-from camp.envs.measurement import measure, sliding_speed
-from camp.evaluation.physics import MotorLaw
+from camp.envs.measurement import foot_height, measure
 from camp.robots.go2 import GO2
 from camp.robots.quadruped import FOOT_NAMES
 from camp.sim.base import Dynamics, InitialState
+from camp.sim.motors import MotorLaw
 
 
 @pytest.fixture
@@ -35,7 +35,8 @@ def state_of(data: mujoco.MjData):
 
 
 def test_torque_is_that_of_the_model(data):
-    state, law = state_of(data), MotorLaw.of(GO2, Dynamics.nominal(1, 0.8, torch.device("cpu")))
+    state = state_of(data)
+    law = MotorLaw.of(GO2, Dynamics.nominal(1, 0.8, torch.device("cpu")))
     target = torch.tensor(data.ctrl, dtype=torch.float32)[None]
     torque = law.torque(target, state.joint_position, state.joint_velocity)
     np.testing.assert_allclose(torque[0], data.actuator_force, atol=1e-4)
@@ -50,11 +51,6 @@ def test_weak_motors_and_the_limit_count():
     assert law.torque(torch.full((1, 12), 9.0), *torch.zeros(2, 1, 12)).max() == pytest.approx(45.43)
 
 
-def test_sliding_speed_is_that_of_the_lowest_point_of_the_sphere(data):
-    expected, velocity = [], np.zeros(6)
-    for leg in FOOT_NAMES:
-        body = data.model.body(f"{leg}_foot").id
-        mujoco.mj_objectVelocity(data.model, data, mujoco.mjtObj.mjOBJ_XBODY, body, velocity, 0)
-        point = velocity[3:] + np.cross(velocity[:3], [0, 0, -GO2.leg.foot_radius])
-        expected.append(np.hypot(*point[:2]))
-    np.testing.assert_allclose(sliding_speed(GO2, measure(GO2, state_of(data)))[0], expected, rtol=1e-4)
+def test_foot_height_is_that_of_the_lowest_point_of_the_sphere(data):
+    expected = [data.geom(f"{leg}_foot").xpos[2] - GO2.leg.foot_radius for leg in FOOT_NAMES]
+    np.testing.assert_allclose(foot_height(GO2, measure(GO2, state_of(data)))[0], expected, atol=1e-5)
