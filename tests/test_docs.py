@@ -37,7 +37,7 @@ def named(page: Path) -> str:
 
 def lines_of_code(page: Path) -> list[str]:
     """Lines of the shell blocks, indented ones that call Python, and commands within sentences."""
-    text = page.read_text(encoding="utf-8")
+    text = re.sub(r"\\\n\s*", "", page.read_text(encoding="utf-8"))  # continued lines as one
     blocks = "\n".join(re.findall(r"```sh\n(.*?)```", text, re.DOTALL))
     indented = re.findall(r"^ {4}(python -m .*)$", text, re.MULTILINE)
     inline = [" ".join(found.split()) for found in re.findall(r"`((?:python -m|make) [^`]+)`", text)]
@@ -50,6 +50,7 @@ def commands(page: Path) -> list[str]:
         re.sub(r"\s+#.*", "", line)
         .replace("ablation=<name>", "ablation=no_skill_disc")
         .replace("study=<name>", "study=two_states")
+        .replace("seed=<seed>", "seed=0")
         for line in lines_of_code(page)
     ]
     return [re.sub(r"<[^>]*>", "folder", line) for line in lines]
