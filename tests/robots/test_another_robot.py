@@ -13,7 +13,7 @@ import pytest
 import torch
 
 from camp import deploy
-from camp.build import build_actor, build_env, build_robot, expert_clips
+from camp.build import build_env, build_robot, expert_clips
 from camp.common.errors import CampError, ClipError
 from camp.config.compose import compose_config
 from camp.config.schema import Config
@@ -21,11 +21,7 @@ from camp.deployment.export import metadata
 from camp.deployment.metadata import read_metadata
 from camp.envs.measurement import measure
 from camp.envs.observations import position
-from camp.evaluation.physics import MotorLaw
-from camp.evaluation.plan import grid_plan
-from camp.evaluation.quality import summarize_quality
-from camp.evaluation.reading import read_grid
-from camp.evaluation.rollout import roll_out
+from camp.evaluation.policies import contract_of_metadata, contract_of_run
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.store import load_clips, save_clip
 from camp.motion.dataset.generate import generate_clip
@@ -40,6 +36,7 @@ from camp.robots.quadruped import FOOT_NAMES
 from camp.robots.robot import Robot
 from camp.sim.base import Dynamics
 from camp.sim.cpu import CpuSimulator
+from camp.sim.motors import MotorLaw
 from camp.training.imitation_data import imitation_data
 from camp.training.warm_start import _expert_version
 from tests.robots.checks import mujoco_feet
@@ -158,15 +155,15 @@ def test_perturbed_clips_of_two_robots_do_not_mix(robot):
     assert len(versions) == 3  # the title alone changes no clip
 
 
-def test_the_evaluation_takes_its_limits(robot, config):
+def test_its_motors_have_its_limits(robot):
     law = MotorLaw.of(robot, Dynamics.nominal(1, 0.8, CPU))
     assert law.torque(torch.full((1, 12), 9.0), *torch.zeros(2, 1, 12))[0].tolist() == list(robot.torque_limit)
-    actor = build_actor(config, torch.Generator().manual_seed(0))
-    plan = grid_plan(1, [[0.3, 0.0, 0.0]], 150, 0.8)
-    recording = roll_out(actor, config, plan, expert_clips(config), seed=0)
-    reading = read_grid(recording, config.motion.skill_set(), 1.0)
-    own, other = (summarize_quality(one, reading)["trot"]["peak_torque_share"] for one in (robot, GO2))
-    assert 0.0 < own < other  # its motors are stronger
+
+
+def test_the_suite_of_the_go2_does_not_judge_it(config):
+    for contract in (lambda: contract_of_run("x", config), lambda: contract_of_metadata("x", metadata(config))):
+        with pytest.raises(CampError, match=f"robot.* = {SECOND}: the suite judges policies of the Unitree Go2 alone"):
+            contract()
 
 
 def test_an_exported_policy_names_it(robot, config):

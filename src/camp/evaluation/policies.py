@@ -22,8 +22,7 @@ def contract_of_run(name: str, config: Config) -> Contract:
 
     Raises CampError where it observes what no contract names.
     """
-    if config.robot.name != ROBOT.name:
-        raise CampError(f"robot.name = {config.robot.name}: the suite judges policies of the {ROBOT.title} alone")
+    _require_judged("robot.name", config.robot.name)
     skills, entries = config.motion.skill_set(), list(config.env.observation.policy)
     unknown = [name for name in entries if name not in (*TERM_SIZES, "skill")]
     if unknown:
@@ -47,7 +46,11 @@ def contract_of_run(name: str, config: Config) -> Contract:
 
 
 def contract_of_metadata(name: str, metadata: Mapping[str, Any]) -> Contract:
-    """The contract of what `camp.export` writes, whose network answers with joint targets."""
+    """The contract of what `camp.export` writes, whose network answers with joint targets.
+
+    Raises CampError where it is of another robot.
+    """
+    _require_judged("metadata robot", metadata["robot"])
     pose, terms = list(metadata["default_pose"]), [Term(entry["name"]) for entry in metadata["observation"]]
     last_action = Term("last_action", scale=1.0 / metadata["action_scale"], offset=pose)
     allowed = metadata["command_range"]
@@ -118,6 +121,11 @@ class OnnxAnswer:
             parts = [self._session.run([self._output], {self._input.name: row[None]})[0] for row in rows]
             return torch.from_numpy(np.concatenate([np.asarray(part) for part in parts]))
         return torch.from_numpy(np.array(self._session.run([self._output], {self._input.name: rows})[0]))
+
+
+def _require_judged(key: str, robot: str) -> None:
+    if robot != ROBOT.name:
+        raise CampError(f"{key} = {robot}: the suite judges policies of the {ROBOT.title} alone")
 
 
 def _contract(name: str, skills: list[str], observed: bool, allowed: CommandRange, **rest: Any) -> Contract:
