@@ -136,11 +136,10 @@ def start(*arguments: object) -> subprocess.Popen[str]:
 def test_ctrl_c_while_generating(tmp_path: Path) -> None:
     """As a terminal does it: the signal goes to all processes at once."""
     process = start("perturbed", "--folder", tmp_path, "--count", 40, "--workers", 2)
-    limit = time.monotonic() + 120
-    while not list(tmp_path.glob("*.npz")) and time.monotonic() < limit:
+    while not list(tmp_path.glob("*.npz")) and process.poll() is None:
         time.sleep(0.2)
     os.killpg(process.pid, signal.SIGINT)
-    _, err = process.communicate(timeout=60)
+    _, err = process.communicate()
     assert process.returncode == 130
     assert err == "interrupted\n"
     for path in tmp_path.glob("*.npz"):
@@ -150,7 +149,7 @@ def test_ctrl_c_while_generating(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_two_that_generate_the_same_clips(tmp_path: Path) -> None:
     both = [start("perturbed", "--folder", tmp_path, "--count", 2, "--workers", 1) for _ in range(2)]
-    outs = [process.communicate(timeout=300) for process in both]
+    outs = [process.communicate() for process in both]
     assert [process.returncode for process in both] == [0, 0]
     assert sorted(out.splitlines()[-1].split(": ")[1].split(",")[0] for out, _ in outs) == ["0 made", "2 made"]
     assert sum("waiting for another process" in out for out, _ in outs) == 1
@@ -163,7 +162,7 @@ def test_output_that_nobody_reads(folder: Path) -> None:
     assert process.stdout is not None and process.stderr is not None
     process.stdout.close()
     assert process.stderr.read() == ""
-    process.wait(timeout=60)
+    process.wait()
 
 
 def test_a_folder_has_one_writer(tmp_path: Path) -> None:
@@ -179,6 +178,6 @@ def test_a_folder_has_one_writer(tmp_path: Path) -> None:
         time.sleep(0.3)
         left = time.monotonic()
         assert not entered
-    thread.join(timeout=10)
+    thread.join()
     assert entered and entered[0] >= left
     assert list((tmp_path / "clips").iterdir()) == []

@@ -39,7 +39,9 @@ def test_from_scratch_trains_and_draws_what_it_learns():
     notebook = nbformat.read(FOLDER / "from_scratch.ipynb", as_version=4)
     parameters = next(cell for cell in code_cells(notebook) if cell.source.startswith("ITERATIONS"))
     parameters.source = "ITERATIONS, ROBOTS, LOOK_EVERY = 3, 16, 2"
-    NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(FOLDER)}}).execute()
+    NotebookClient(
+        notebook, timeout=None, startup_timeout=3600, resources={"metadata": {"path": str(FOLDER)}}
+    ).execute()
     images = [o for cell in code_cells(notebook) for o in cell.outputs if "image/png" in o.get("data", {})]
     assert len(images) == 2 + 2 * 2  # the expert's gaits; the policy's, twice
     printed = "".join(o.text for cell in code_cells(notebook) for o in cell.outputs if o.output_type == "stream")

@@ -135,7 +135,7 @@ def with_clips(folder: Path, tmp_path: Path) -> list[str]:
 def test_a_skill_without_clips_names_the_skill(few_clips, tmp_path, capsys):
     next(few_clips.glob("bound_*")).unlink()
     line = error_line(with_clips(few_clips, tmp_path), capsys)
-    assert "bound" in line and "camp.dataset" in line
+    assert "skill 'bound': no clip in" in line and "train with motion.skills=[trot,pace,pronk]" in line
     assert not (tmp_path / "out").exists()
 
 

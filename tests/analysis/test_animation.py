@@ -76,7 +76,7 @@ def test_the_shipped_policy_switches_and_the_file_plays_in_real_time(tmp_path, m
 
 
 def test_a_policy_that_falls_is_told_with_the_remedy():
-    metadata = json.loads((policies_root() / "go2_camp" / "policy.json").read_text())
+    metadata = {"robot": "go2"} | json.loads((policies_root() / "go2_camp" / "policy.json").read_text())
     crouch = np.tile(np.float32([0.0, 2.6, -2.7]), 4)
     policy: Any = SimpleNamespace(metadata=metadata, one_hot=lambda _: np.zeros(8), joint_target=lambda _: crouch)
     with pytest.raises(AnalysisError, match=r"fell after .* s as trot_2hz: train the run further"):
