@@ -78,7 +78,9 @@ def _row(report: Report) -> str:
     errors, reference = report.tracking.get("all"), report.reference.get("all")
     score = [f"{part.skill:.2f}" for part in reference.policy.values()] if reference else []
     detail = [f"seed {report.seed}"] if report.seed is not None else []
-    detail += [f"{len(report.skills)} skills"] + (["own command range"] if report.commands_clipped else [])
+    detail += [f"{len(report.skills)} skill{'s' * (len(report.skills) != 1)}"] + (
+        ["own command range"] if report.commands_clipped else []
+    )
     cells = [
         f"<td>{escape(report.run)}<br><small>{', '.join(detail)}</small></td>",
         _fraction(walks.all.gait_accuracy),
