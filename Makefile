@@ -37,7 +37,7 @@ $(STAMP): pyproject.toml constraints.txt
 	"$(BIN)/python" -m pip install --quiet --no-compile --disable-pip-version-check -e '.[dev]' -c constraints.txt
 	@touch "$@"
 
-demo: setup ## the shipped policy: short evaluation, a video of all gaits, figures (under 3 minutes)
+demo: setup ## the shipped policy: short evaluation, a video of switches, figures (under 3 minutes)
 	"$(BIN)/python" -m camp.evaluate run="$(POLICY)" suite=short $(ARGS)
 	"$(BIN)/python" -m analysis run="$(POLICY)"
 
