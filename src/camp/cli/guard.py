@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 import sys
-import traceback
 from collections.abc import Callable
 
-from camp.cli.hydra_main import EXIT_INPUT, EXIT_INTERRUPTED
-from camp.config.hydra_errors import INPUT_ERRORS, describe
+from camp.cli.hydra_main import EXIT_INTERRUPTED, report
+from camp.config.hydra_errors import INPUT_ERRORS
 
 
 def guarded(task: Callable[[], int]) -> int:
@@ -25,10 +24,7 @@ def guarded(task: Callable[[], int]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains when it ends
         return 0
     except INPUT_ERRORS as error:
-        if os.environ.get("CAMP_DEBUG") == "1":
-            traceback.print_exception(error)
-        print(f"error: {describe(error)}", file=sys.stderr, flush=True)
-        return EXIT_INPUT
+        return report(error)
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED

@@ -58,7 +58,7 @@ def run_hydra(config_name: str, task: Callable[[DictConfig], Any], argv: Sequenc
             raise job.error
         return EXIT_BUG if EXIT_BUG in job.exit_codes else max(job.exit_codes, default=0)
     except INPUT_ERRORS as error:
-        return _report(error)
+        return report(error)
     except _JobFailedElsewhereError as failure:
         return failure.exit_code
     except KeyboardInterrupt:
@@ -93,14 +93,14 @@ class _Job:
             if HydraConfig.get().mode != RunMode.MULTIRUN:
                 self.error = error
                 return None
-            exit_code = _report(error, f"job {HydraConfig.get().job.num}: ")
+            exit_code = report(error, f"job {HydraConfig.get().job.num}: ")
             if os.getpid() != self.process:
                 raise _JobFailedElsewhereError(exit_code) from None
             self.exit_codes.append(exit_code)
             return None
 
 
-def _report(error: Exception, prefix: str = "") -> int:
+def report(error: Exception, prefix: str = "") -> int:
     """Print an error of the input as one line, anything else as a bug; return the exit code."""
     bug = not isinstance(error, INPUT_ERRORS)
     if bug or os.environ.get("CAMP_DEBUG") == "1":
