@@ -110,7 +110,8 @@ def build_simulator(config: Config, num_envs: int | None = None) -> Simulator:
     from camp.sim.gpu import GpuSimulator, WarpSettings  # takes seconds, and its packages need not be installed
 
     assert sim.contacts_per_robot is not None and sim.constraints_per_robot is not None
-    settings = WarpSettings(device, sim.contacts_per_robot, sim.constraints_per_robot)
+    delays = config.env.randomization.enabled and config.env.randomization.delay_s[1] > 0.0
+    settings = WarpSettings(device, sim.contacts_per_robot, sim.constraints_per_robot, delays)
     return GpuSimulator(robot, num, period, timestep, settings)
 
 

@@ -186,6 +186,7 @@ def test_commands_stay_in_range_and_some_are_zero(config):
 
 def test_randomization_covers_table_one(config, clips):
     config.env.randomization.enabled = True
+    config.env.randomization.delay_s = [0.0, 0.025]
     config.sim.num_envs = 64
     dynamics = build_env(config, clips)
     dynamics.reset(seed=1)
@@ -197,6 +198,7 @@ def test_randomization_covers_table_one(config, clips):
         ("motor_strength", 0.8, 1.2),
         ("kp_scale", 0.8, 1.2),
         ("kd_scale", 0.8, 1.2),
+        ("delay", 0.0, 0.025),
     ):
         values = getattr(dynamics.dynamics, name)
         assert values.min() >= low and values.max() <= high
@@ -304,6 +306,7 @@ def test_the_reward_is_of_the_average_velocity(config, clips):
 
 def test_same_seed_same_roll_out_and_state_continues_bit_for_bit(config, clips):
     config.env.noise.enabled = config.env.randomization.enabled = config.env.push.enabled = True
+    config.env.randomization.delay_s = [0.0, 0.03]
     config.env.episode_s = 0.3
     one, other = make(config, clips), make(config, clips)
     actions = 0.5 * torch.randn(30, 8, 12, generator=torch.Generator().manual_seed(2))

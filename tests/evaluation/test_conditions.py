@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -25,14 +27,15 @@ SETTING = Setting(0.02, GO2, NOISE, push_period_s=0.4, seed=0, threads=1)
 POSE = torch.tensor(GO2.default_joint_position)
 
 
-def plan(name: str = "test", num: int = 1, steps: int = 40, **disturbances: float) -> Plan:
+def plan(name: str = "test", num: int = 1, steps: int = 40, delay_s: float = 0.0, **disturbances: float) -> Plan:
     """Robots that stand."""
+    dynamics = Dynamics.nominal(num, 0.8, torch.device("cpu"))
     return Plan(
         name,
         torch.zeros(num, steps, dtype=torch.int64),
         torch.zeros(num, 3),
         standing_starts(num, (1.0, 1.0), generator(0, "starts")),
-        Dynamics.nominal(num, 0.8, torch.device("cpu")),
+        replace(dynamics, delay=dynamics.delay + delay_s),
         Disturbances.of(num, **disturbances),
     )
 

@@ -80,7 +80,7 @@ def test_the_same_walks_under_every_condition(references):
         references, "robustness.per_skill=2", "robustness.conditions=[{name: a},{name: b,delay_s: 0.01,loss: 0.2}]"
     ).robustness()
     assert len(plan) == 16 and (plan.command[:8] == plan.command[8:]).all()
-    assert plan.disturbances.delay_s.tolist() == pytest.approx([0.0] * 8 + [0.01] * 8)
+    assert plan.dynamics.delay.tolist() == pytest.approx([0.0] * 8 + [0.01] * 8)
     assert plan.disturbances.loss.tolist() == pytest.approx([0.0] * 8 + [0.2] * 8)
 
 

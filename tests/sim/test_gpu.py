@@ -21,15 +21,15 @@ TOLERANCE = {"joint_position": 1e-4, "base_position": 1e-4, "joint_velocity": 5e
 EVERYONE = torch.ones(NUM, dtype=torch.bool)
 
 
-def make(contacts: int = 25, constraints: int = 128, device: str = "cpu") -> GpuSimulator:
-    settings = WarpSettings(torch.device(device), contacts, constraints)
+def make(contacts: int = 25, constraints: int = 128, device: str = "cpu", delays: bool = False) -> GpuSimulator:
+    settings = WarpSettings(torch.device(device), contacts, constraints, delays)
     return GpuSimulator(GO2, NUM, control_period=0.02, physics_timestep=0.005, settings=settings)
 
 
 @pytest.fixture(scope="module")
 def shared() -> GpuSimulator:
     """One simulator for the tests that begin with a reset of everyone."""
-    return make()
+    return make(delays=True)
 
 
 def standing(height: float = GO2.standing_height) -> InitialState:
@@ -62,6 +62,7 @@ def randomized(seed: int) -> Dynamics:
         motor_strength=uniform(0.8, 1.2, 12),
         kp_scale=uniform(0.8, 1.2, 12),
         kd_scale=uniform(0.8, 1.2, 12),
+        delay=uniform(0.0, 0.03),
     )
 
 
@@ -139,6 +140,7 @@ def test_a_reset_touches_nobody_else(shared):
     shared.prepare(randomized(5))
     shared.reset(mask, standing(height=0.5))
     after = shared.state_dict() | shared._dynamics
+    del before["delays"]  # tests/sim/test_delay.py
     for name, values in before.items():
         assert torch.equal(after[name][~mask], values[~mask]), name
     state = shared.state
@@ -198,7 +200,7 @@ def test_full_buffers_are_an_error_with_its_remedy(sizes, key, capfd):
 
 def test_state_dict_continues_bit_for_bit():
     swing = targets(10, seed=9)
-    straight, resumed = make(), make()
+    straight, resumed = make(delays=True), make(delays=True)
     for sim in (straight, resumed):
         begin(sim, randomized(10))
     for target in swing[:5]:
@@ -207,19 +209,20 @@ def test_state_dict_continues_bit_for_bit():
     for target in swing[5:]:
         straight.step(target)
         resumed.step(target)
-    for name, values in straight.state_dict().items():
-        assert torch.equal(values, resumed.state_dict()[name]), name
+    end, same = straight.state_dict(), resumed.state_dict()
+    for name, values in (end | end.pop("delays")).items():
+        assert torch.equal(values, (same | same["delays"])[name]), name
 
 
 @pytest.mark.gpu
 @pytest.mark.skipif(not torch.cuda.is_available(), reason="torch finds no CUDA GPU")
 def test_the_graph_does_what_direct_launches_do():
     graph, direct = make(device="cuda:0"), make(device="cuda:0")
-    assert graph.control_step.captured
+    assert graph.physics.captured
     for target in targets(20, seed=11).cuda():
         graph.step(target)
         direct._ctrl.copy_(target)
-        direct.control_step.run_directly()
+        direct.physics.run_directly()
     torch.testing.assert_close(graph.state.joint_position, direct.state.joint_position, atol=1e-5, rtol=0)
 
 

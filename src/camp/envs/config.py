@@ -8,6 +8,7 @@ from typing import Any
 from omegaconf import MISSING
 
 from camp.common import checks
+from camp.sim.delay import LONGEST_DELAY
 
 # Who gives commands and skills: random ones on a clock, or whoever calls `QuadrupedEnv.set_command`.
 CLOCK, EXTERNAL = SOURCES = ("clock", "external")
@@ -135,6 +136,9 @@ class RandomizationConfig:
     motor_strength_scale: list[float] = MISSING  # times the motor torque, each joint
     kp_scale: list[float] = MISSING  # times nominal, each joint
     kd_scale: list[float] = MISSING  # times nominal, each joint
+    # From the measured state to the torque, all latencies together; not in Table I. A delayed observation is the same
+    # closed loop as a delayed target.
+    delay_s: list[float] = field(default_factory=lambda: [0.0, 0.0])
 
     def check(self) -> None:
         checks.positive("env.randomization.nominal_friction", self.nominal_friction)
@@ -142,6 +146,13 @@ class RandomizationConfig:
         checks.not_negative_interval("env.randomization.payload_mass_kg", self.payload_mass_kg)
         for name in ("link_mass_scale", "friction", "motor_strength_scale", "kp_scale", "kd_scale"):
             checks.positive_interval(f"env.randomization.{name}", getattr(self, name))
+        checks.not_negative_interval("env.randomization.delay_s", self.delay_s)
+        checks.require(
+            self.delay_s[1] <= LONGEST_DELAY,
+            "env.randomization.delay_s",
+            self.delay_s,
+            f"choose at most {LONGEST_DELAY:g} s",
+        )
 
 
 @dataclass

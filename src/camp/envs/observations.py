@@ -146,6 +146,12 @@ def kd_scale(s: Situation) -> Tensor:
     return s.dynamics.kd_scale
 
 
+@observation_entry(1, "s", "-")
+def delay(s: Situation) -> Tensor:
+    """By which joint targets reach the motors late."""
+    return s.dynamics.delay[:, None]
+
+
 def check_names(key: str, names: Sequence[str]) -> None:
     """Raise ConfigError where ``key``, a list of entries, names none, one that is not known, or one twice."""
     unknown = [name for name in names if name not in ENTRIES]

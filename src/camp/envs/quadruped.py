@@ -219,7 +219,7 @@ class QuadrupedEnv(VectorEnv):
         state = _with_history(copied(state, self._device))
         for name in _STATE:
             setattr(self, name, state[name])
-        self.dynamics = Dynamics(**state["dynamics"])
+        self.dynamics = Dynamics.from_tensors(state["dynamics"])
         self._starts = Starts.from_state_dict(state["starts"])
         self._starts_observed = _Observed(**state["starts_observed"])
         self._before = Before(self.last_action, self.amp_state[:, _JOINT_VELOCITY])

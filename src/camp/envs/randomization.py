@@ -12,11 +12,11 @@ from camp.robots.quadruped import NUM_JOINTS
 from camp.sim.base import LINK_NAMES, Dynamics
 
 _ABOUT_ONE = ("link_mass_scale", "motor_strength_scale", "kp_scale", "kd_scale")
-_ABOUT_ZERO = ("payload_mass_kg", "payload_position_m")
+_ABOUT_ZERO = ("payload_mass_kg", "payload_position_m", "delay_s")
 
 
 def sample_dynamics(num: int, config: RandomizationConfig, generator: torch.Generator) -> Dynamics:
-    """Physical parameters of ``num`` robots, each uniform in its range of Table I; nominal where it is disabled."""
+    """Physical parameters of ``num`` robots, each uniform in its range; nominal where it is disabled."""
     if not config.enabled:
         return Dynamics.nominal(num, config.nominal_friction, generator.device)
     return Dynamics(
@@ -27,7 +27,15 @@ def sample_dynamics(num: int, config: RandomizationConfig, generator: torch.Gene
         motor_strength=uniform(config.motor_strength_scale, (num, NUM_JOINTS), generator),
         kp_scale=uniform(config.kp_scale, (num, NUM_JOINTS), generator),
         kd_scale=uniform(config.kd_scale, (num, NUM_JOINTS), generator),
+        delay=_delays(num, config, generator),
     )
+
+
+def _delays(num: int, config: RandomizationConfig, generator: torch.Generator) -> torch.Tensor:
+    """(num,) s; nothing is drawn where there are none, so that Table I alone gives the same robots as ever."""
+    if config.delay_s[1] == 0.0:
+        return torch.zeros(num, device=generator.device)
+    return uniform(config.delay_s, (num,), generator)
 
 
 def randomization_at(difficulty: float, config: RandomizationConfig) -> RandomizationConfig:

@@ -35,7 +35,7 @@ class Starts:
 
     @classmethod
     def from_state_dict(cls, state: dict[str, Any]) -> Self:
-        parts = {"initial": InitialState(**state["initial"]), "dynamics": Dynamics(**state["dynamics"])}
+        parts = {"initial": InitialState(**state["initial"]), "dynamics": Dynamics.from_tensors(state["dynamics"])}
         return cls(**(state | parts))
 
 

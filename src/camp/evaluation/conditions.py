@@ -11,6 +11,7 @@ import torch
 
 from camp.common import checks
 from camp.sim.base import Dynamics
+from camp.sim.delay import LONGEST_DELAY
 
 # Key of a condition -> field of Dynamics, filled with the value for every link, joint or axis.
 DYNAMICS_KEYS = {
@@ -21,11 +22,11 @@ DYNAMICS_KEYS = {
     "motor_strength_scale": "motor_strength",
     "kp_scale": "kp_scale",
     "kd_scale": "kd_scale",
+    "delay_s": "delay",
 }
-LONGEST_DELAY_S = 0.1
 _SIGNED = ("payload_position_m",)
 _POSITIVE = ("link_mass_scale", "friction", "motor_strength_scale", "kp_scale", "kd_scale")
-_DISTURBANCES = ("noise", "push_m_s", "delay_s", "loss")
+_DISTURBANCES = ("noise", "push_m_s", "loss")
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,6 @@ class Condition:
     values: dict[str, float]  # keys of DYNAMICS_KEYS
     noise: float = 0.0  # times the suite's sensor noise
     push_m_s: float = 0.0  # sudden change of the base's horizontal velocity
-    delay_s: float = 0.0  # by which joint targets reach the motors late
     loss: float = 0.0  # fraction of the joint targets that never do: the motors go on with the one before
 
     @classmethod
@@ -87,6 +87,6 @@ def _check_value(key: str, what: str, value: Any) -> None:
     elif what == "loss":
         checks.fraction_below_one(key, value)
     elif what == "delay_s":
-        checks.require(0.0 <= value <= LONGEST_DELAY_S, key, value, f"choose 0 to {LONGEST_DELAY_S:g} s")
+        checks.require(0.0 <= value <= LONGEST_DELAY, key, value, f"choose 0 to {LONGEST_DELAY:g} s")
     elif what not in _SIGNED:
         checks.not_negative(key, value)

@@ -33,12 +33,11 @@ class Disturbances:
 
     noise: Tensor  # (R,)
     push_m_s: Tensor  # (R,)
-    delay_s: Tensor  # (R,)
     loss: Tensor  # (R,)
 
     @classmethod
-    def of(cls, num: int, noise: float = 0.0, push_m_s: float = 0.0, delay_s: float = 0.0, loss: float = 0.0):
-        return cls(*(torch.full((num,), value) for value in (noise, push_m_s, delay_s, loss)))
+    def of(cls, num: int, noise: float = 0.0, push_m_s: float = 0.0, loss: float = 0.0):
+        return cls(*(torch.full((num,), value) for value in (noise, push_m_s, loss)))
 
 
 @dataclass
@@ -129,9 +128,7 @@ class Planner:
         for condition in self.evaluation.robustness.all():
             plan = self.walks(self.evaluation.robustness.per_skill, "robustness")
             plan.dynamics = condition.dynamics(len(plan), self.evaluation.randomization.nominal_friction)
-            plan.disturbances = Disturbances.of(
-                len(plan), condition.noise, condition.push_m_s, condition.delay_s, condition.loss
-            )
+            plan.disturbances = Disturbances.of(len(plan), condition.noise, condition.push_m_s, condition.loss)
             plans.append(plan)
         return joined("robustness", plans)
 

@@ -65,8 +65,7 @@ def roll_out(
         for end, (plan, controller) in zip(ends, jobs, strict=True)
     ]
     num, steps = len(whole), whole.steps
-    delay = np.round(whole.disturbances.delay_s.numpy() / setting.timestep_s).astype(int)
-    sim = WatchedSimulator(setting.robot, setting.period_s, setting.timestep_s, setting.threads, delay)
+    sim = WatchedSimulator(setting.robot, num, setting.period_s, setting.timestep_s, setting.threads)
     try:
         sim.prepare(whole.dynamics)
         sim.reset(torch.ones(num, dtype=torch.bool), whole.starts.initial)

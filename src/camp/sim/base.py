@@ -95,6 +95,7 @@ class Dynamics:
     motor_strength: Tensor  # (n, 12) times the torque the PD law asks for
     kp_scale: Tensor  # (n, 12) times the nominal gain
     kd_scale: Tensor  # (n, 12) times the nominal gain
+    delay: Tensor  # (n,) s, by which joint targets reach the motors late; not in Table I
 
     @classmethod
     def nominal(cls, num: int, friction: float, device: torch.device) -> Self:
@@ -108,7 +109,13 @@ class Dynamics:
             motor_strength=one.clone(),
             kp_scale=one.clone(),
             kd_scale=one.clone(),
+            delay=torch.zeros(num, device=device),
         )
+
+    @classmethod
+    def from_tensors(cls, tensors: dict[str, Tensor]) -> Self:
+        """The inverse of `tensors`; without delays where they were saved before there were any."""
+        return cls(**({"delay": torch.zeros_like(tensors["friction"])} | tensors))
 
     def tensors(self) -> dict[str, Tensor]:
         """Name to tensor, without copies."""
@@ -132,7 +139,8 @@ class Simulator(Protocol):
     """N copies of one robot on flat ground, stepped together at the control rate; all tensors are on ``device``.
 
     Joint targets go through a PD law inside the simulator: at every physics step the torque is
-    strength * (kp_scale kp (target - q) - kd_scale kd q'), clipped at the joint's torque limit.
+    strength * (kp_scale kp (target - q) - kd_scale kd q'), clipped at the joint's torque limit. A robot's targets reach
+    its motors ``Dynamics.delay`` late, rounded to physics steps.
 
     On an accelerator none of the methods that are called at every step makes the host wait for it.
     """

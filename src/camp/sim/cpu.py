@@ -12,6 +12,7 @@ from torch import Tensor
 
 from camp.robots.robot import Robot
 from camp.sim.base import Dynamics, InitialState, RobotState
+from camp.sim.delay import DelayLine
 from camp.sim.parameters import FIELD_NAMES, ModelFields, nominal_friction
 
 # The rows that make up a simulation between two control steps (mjSTATE_INTEGRATION without the unused parts).
@@ -37,7 +38,9 @@ class CpuSimulator:
         self.model = robot.load_model(physics_timestep)
         # MuJoCo would silently reset a simulation that diverges; it must stay visible instead.
         self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
-        self._substeps = round(control_period / physics_timestep)
+        self.substeps = round(control_period / physics_timestep)
+        self._delays = DelayLine(num_envs, control_period, physics_timestep, self.device)
+        self._no_delay = True
         self._batch = Batch(self.model, nsim=num_envs, nthread=threads)
         self._rows = {name: self._batch.bind(name) for name in _STATE_FIELDS}
         self._sensordata = self._batch.bind("sensordata")
@@ -56,8 +59,14 @@ class CpuSimulator:
         return RobotState.from_model(qpos, qvel, torch.from_numpy(self._forces.copy()))
 
     def step(self, joint_target: Tensor) -> None:
-        self._rows["ctrl"][:] = joint_target.numpy(force=True)
-        self._batch.step(nstep=self._substeps)
+        if self._no_delay:
+            self._rows["ctrl"][:] = joint_target.numpy(force=True)
+            self._batch.step(nstep=self.substeps)
+        else:
+            self._delays.send(joint_target)
+            for step in range(self.substeps):
+                self._rows["ctrl"][:] = self._delays.arrived(step).numpy()
+                self._batch.step(nstep=1)
         self._forces[:] = self._sensordata
 
     def prepare(self, dynamics: Dynamics) -> None:
@@ -73,6 +82,8 @@ class CpuSimulator:
         self._rows["qvel"][ids] = initial.qvel().numpy(force=True)[ids]
         self._rows["ctrl"][ids] = initial.joint_position.numpy(force=True)[ids]
         self._forces[ids] = 0.0
+        self._delays.restart(mask, initial.joint_position, self._prepared.delay)
+        self._no_delay = self._delays.idle()
 
     def push(self, velocity_change: Tensor) -> None:
         self._rows["qvel"][:, 0:3] += velocity_change.numpy(force=True)
@@ -87,12 +98,16 @@ class CpuSimulator:
     def state_dict(self) -> dict[str, Any]:
         state = {name: torch.from_numpy(rows.copy()) for name, rows in self._rows.items()}
         state["forces"] = torch.from_numpy(self._forces.copy())
+        state["delays"] = self._delays.state_dict()
         return state
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
         for name, rows in self._rows.items():
             rows[:] = state[name].numpy()
         self._forces[:] = state["forces"].numpy()
+        if "delays" in state:  # absent where it was saved before there were delays
+            self._delays.load_state_dict(state["delays"])
+            self._no_delay = self._delays.idle()
 
     def close(self) -> None:
         """Nothing to release: the thread pool ends with the batch."""

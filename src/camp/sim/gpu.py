@@ -16,6 +16,7 @@ from camp.robots.quadruped import NUM_JOINTS
 from camp.robots.robot import Robot
 from camp.sim.base import Dynamics, InitialState, RobotState, select
 from camp.sim.cuda_graph import CudaGraph
+from camp.sim.delay import DelayLine
 from camp.sim.parameters import FIELD_NAMES, ModelFields, nominal_friction
 
 wp.config.log_level = wp.LOG_WARNING  # or every kernel would be announced
@@ -33,6 +34,7 @@ class WarpSettings:
     device: torch.device  # a CUDA device with its index, or the CPU
     contacts_per_robot: int  # on average over all robots
     constraints_per_robot: int  # rows of the constraint solver, for each robot
+    delays: bool = False  # whether joint targets may be late; a control step is then launched physics step by step
 
 
 class GpuSimulator:
@@ -77,13 +79,15 @@ class GpuSimulator:
         self._overflow = wp.to_torch(data.overflow)
         self._next_dynamics = _NextDynamics(self.model, num_envs, robot, self.device)
         self._dynamics = {name: wp.to_torch(getattr(model, name)) for name in batched}
-        substeps = round(control_period / physics_timestep)
+        self._substeps = round(control_period / physics_timestep)
+        self._delays = DelayLine(num_envs, control_period, physics_timestep, self.device)
+        held = 1 if settings.delays else self._substeps  # physics steps with the same target
 
-        def control_step() -> None:
-            for _ in range(substeps):
+        def physics() -> None:
+            for _ in range(held):
                 mjw.step(model, data)
 
-        self.control_step = CudaGraph(control_step, self.device)
+        self.physics = CudaGraph(physics, self.device)
         self._overflow.zero_()
         self.prepare(Dynamics.nominal(num_envs, nominal_friction(self.model), self.device))
         everyone = torch.ones(num_envs, dtype=torch.bool, device=self.device)
@@ -94,11 +98,18 @@ class GpuSimulator:
         return RobotState.from_model(self._qpos.clone(), self._qvel.clone(), self._sensordata)
 
     def step(self, joint_target: Tensor) -> None:
-        self._ctrl.copy_(joint_target)
-        self.control_step.run()
+        if not self._settings.delays:
+            self._ctrl.copy_(joint_target)
+            self.physics.run()
+            return
+        self._delays.send(joint_target)
+        for step in range(self._substeps):
+            self._ctrl.copy_(self._delays.arrived(step))
+            self.physics.run()
 
     def prepare(self, dynamics: Dynamics) -> None:
         self._next_dynamics.prepare(dynamics)
+        self._next_delay = dynamics.delay
 
     def reset(self, mask: Tensor, initial: InitialState) -> None:
         for name, prepared in self._next_dynamics.fields.items():
@@ -108,6 +119,8 @@ class GpuSimulator:
         _replace(self._ctrl, mask, initial.joint_position)
         self._acceleration.masked_fill_(mask[:, None], 0.0)
         self._sensordata.masked_fill_(mask[:, None], 0.0)
+        if self._settings.delays:
+            self._delays.restart(mask, initial.joint_position, self._next_delay)
 
     def push(self, velocity_change: Tensor) -> None:
         self._qvel[:, 0:3] += velocity_change
@@ -130,11 +143,14 @@ class GpuSimulator:
                 )
 
     def state_dict(self) -> dict[str, Any]:
-        return {name: tensor.clone() for name, tensor in self._state().items()}
+        state: dict[str, Any] = {name: tensor.clone() for name, tensor in self._state().items()}
+        return state | {"delays": self._delays.state_dict()}
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
         for name, tensor in self._state().items():
             tensor.copy_(state[name])
+        if "delays" in state:  # absent where it was saved before there were delays
+            self._delays.load_state_dict(state["delays"])
 
     def close(self) -> None:
         """Nothing to release: the arrays go with the object."""
