@@ -36,6 +36,8 @@ def test_shipped_config_is_complete_and_valid():
         ("ppo.learning_rate", 1.0),
         ("ppo.min_learning_rate", -1e-5),
         ("ppo.desired_kl", 0.0),
+        ("ppo.final_desired_kl", 1.0),
+        ("ppo.settle_fraction", 1.5),
         ("ppo.critic_learning_rate", float("inf")),
         ("ppo.max_grad_norm", 0.0),
         ("style.weight", -1.0),

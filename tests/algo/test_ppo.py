@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from camp.algo.losses import gae, gaussian_log_prob
-from camp.algo.ppo import PPO, explained_variance, minibatches
+from camp.algo.ppo import PPO, desired_kl_at, explained_variance, minibatches
 from camp.data import Rollout
 from tests.algo.synthetic import assert_identical, make_ppo, make_rollout, rng
 
@@ -100,6 +100,14 @@ def test_a_small_kl_raises_the_rate_to_its_ceiling_and_a_large_one_lowers_it_to_
     careful = make_ppo(desired_kl=1e-9)
     train(careful, range(1))
     assert careful.learning_rate == pytest.approx(1e-5)
+
+
+def test_the_desired_kl_falls_over_the_last_iterations():
+    config = make_ppo(desired_kl=0.04, final_desired_kl=0.01, settle_fraction=0.4).config
+    assert [desired_kl_at(progress, config) for progress in (0.0, 0.6)] == [0.04, 0.04]
+    assert desired_kl_at(0.8, config) == pytest.approx(0.02)  # half of the way, geometrically
+    assert desired_kl_at(1.0, config) == pytest.approx(0.01)
+    assert desired_kl_at(0.9, make_ppo(desired_kl=0.04).config) == 0.04
 
 
 def test_the_rate_stays_without_the_adaptive_rule():

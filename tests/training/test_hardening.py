@@ -27,17 +27,18 @@ def reading(*accuracy: float, falls: float = 0.5) -> dict[str, object]:
         (reading(0.95, 0.9, falls=1.5), 0.5),  # they do, but robots fall
         (reading(1.0, 0.6), 0.5),  # in between
         (reading(0.9, 0.4), 0.4),  # they are being lost
+        (reading(1.0), 0.4),  # nobody follows the other skill for long
         ({"env/falls_per_1000_steps": 0.1, "gait/stepping": 1.0}, 0.5),  # nothing was read
     ],
 )
 def test_one_reading_moves_the_difficulty_by_a_step(metrics, expected):
-    assert next_difficulty(0.5, metrics, CONFIG) == pytest.approx(expected)
+    assert next_difficulty(0.5, metrics, CONFIG, num_skills=2) == pytest.approx(expected)
 
 
 def test_difficulty_stays_within_bounds_and_without_a_curriculum_where_it_is():
-    assert next_difficulty(0.97, reading(1.0), CONFIG) == 1.0
-    assert next_difficulty(0.03, reading(0.1), CONFIG) == 0.0
-    assert next_difficulty(1.0, reading(0.1), HardeningConfig()) == 1.0
+    assert next_difficulty(0.97, reading(1.0), CONFIG, 1) == 1.0
+    assert next_difficulty(0.03, reading(0.1), CONFIG, 1) == 0.0
+    assert next_difficulty(1.0, reading(0.1), HardeningConfig(), 1) == 1.0
 
 
 def test_ranges_close_on_the_nominal_robot(config):

@@ -62,6 +62,10 @@ class PPOConfig:
     max_learning_rate: float = MISSING  # actor, ceiling of the adaptive rule
     adaptive: bool = MISSING  # steer the actor's rate so that the KL per iteration stays near desired_kl
     desired_kl: float = MISSING  # nats, > 0
+    # Over the last `settle_fraction` of the iterations the desired KL falls geometrically from desired_kl to this, so
+    # that the skills stop taking turns; null: it stays.
+    final_desired_kl: float | None = None
+    settle_fraction: float = 0.3
     critic_learning_rate: float = MISSING  # constant: the KL rule must not starve the critic
     max_grad_norm: float = MISSING  # per network, > 0
     update_normalizer: bool = MISSING  # false freezes the actor's input statistics (imitation's)
@@ -84,6 +88,13 @@ class PPOConfig:
             f"({self.min_learning_rate} .. {self.max_learning_rate})",
         )
         checks.positive("algo.ppo.desired_kl", self.desired_kl)
+        checks.require(
+            self.final_desired_kl is None or 0.0 < self.final_desired_kl <= self.desired_kl,
+            "algo.ppo.final_desired_kl",
+            self.final_desired_kl,
+            f"choose null, or a value above 0 and at most algo.ppo.desired_kl ({self.desired_kl})",
+        )
+        checks.fraction("algo.ppo.settle_fraction", self.settle_fraction)
         checks.positive("algo.ppo.critic_learning_rate", self.critic_learning_rate)
         checks.positive("algo.ppo.max_grad_norm", self.max_grad_norm)
 

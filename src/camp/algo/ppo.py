@@ -66,6 +66,14 @@ def explained_variance(value: Tensor, return_: Tensor) -> Tensor:
     return 1.0 - (unexplained / all_.clamp(min=1e-8)).squeeze()
 
 
+def desired_kl_at(progress: float, config: PPOConfig) -> float:
+    """The KL that the adaptive rule aims at, in nats, when the share ``progress`` in [0, 1) of the training is done."""
+    settling = progress - (1.0 - config.settle_fraction)
+    if config.final_desired_kl is None or settling <= 0.0:
+        return config.desired_kl
+    return config.desired_kl * (config.final_desired_kl / config.desired_kl) ** (settling / config.settle_fraction)
+
+
 def no_auxiliary_loss(actor: GaussianActor) -> Tensor:
     """Nothing beside PPO's own objective."""
     return actor.std.new_zeros(())
@@ -85,6 +93,7 @@ class PPO:
     def __init__(self, actor: GaussianActor, critic: Critic, config: PPOConfig) -> None:
         self.actor, self.critic, self.config = actor, critic, config
         self.auxiliary_loss: AuxiliaryLoss = no_auxiliary_loss
+        self.desired_kl = config.desired_kl  # that of the next update
         # GPU and CPU both have the fused kernel: one pass over the parameters instead of a dozen.
         trained = [p for p in actor.parameters() if p.requires_grad]
         self.actor_optimizer = torch.optim.Adam(trained, lr=config.learning_rate, fused=True)
@@ -212,9 +221,9 @@ class PPO:
         return norm
 
     def _adapt(self, kl: float) -> None:
-        if kl > 2.0 * self.config.desired_kl:
+        if kl > 2.0 * self.desired_kl:
             self.set_learning_rate(self.learning_rate / RATE_FACTOR)
-        elif kl < 0.5 * self.config.desired_kl:
+        elif kl < 0.5 * self.desired_kl:
             self.set_learning_rate(self.learning_rate * RATE_FACTOR)
 
     def networks(self) -> list[nn.Module]:

@@ -7,14 +7,16 @@ from collections.abc import Mapping
 from camp.envs.config import HardeningConfig
 
 
-def next_difficulty(difficulty: float, metrics: Mapping[str, object], config: HardeningConfig) -> float:
+def next_difficulty(
+    difficulty: float, metrics: Mapping[str, object], config: HardeningConfig, num_skills: int
+) -> float:
     """The difficulty in [0, 1] after an iteration's metrics.
 
     Moved by the readings of ``run.gait_every``, which come from foot contacts and not from a discriminator: up where
     the mean over skills shows its gait and few robots fall, down where the gaits are being lost. Between two
     readings, and without any, it stays.
     """
-    accuracy = _mean_accuracy(metrics)
+    accuracy = _mean_accuracy(metrics, num_skills)
     falls = metrics.get("env/falls_per_1000_steps")
     if config.initial is None or accuracy is None or not isinstance(falls, float):
         return difficulty
@@ -25,8 +27,8 @@ def next_difficulty(difficulty: float, metrics: Mapping[str, object], config: Ha
     return difficulty
 
 
-def _mean_accuracy(metrics: Mapping[str, object]) -> float | None:
-    """Of the skills that robots followed long enough to be read; None where there are none."""
+def _mean_accuracy(metrics: Mapping[str, object], num_skills: int) -> float | None:
+    """Over all skills, 0 for one that no robot followed long enough to be read; None where that holds for all."""
     names = [name for name in metrics if name.startswith("gait/") and name.endswith("/accuracy")]
     values = [value for name in names if isinstance(value := metrics[name], float)]
-    return sum(values) / len(values) if values else None
+    return sum(values) / num_skills if values else None

@@ -12,6 +12,7 @@ import torch
 from torch import Tensor
 
 from camp.algo.losses import gae
+from camp.algo.ppo import desired_kl_at
 from camp.algo.prior import WithHistograms
 from camp.build import Training
 from camp.common import distributed
@@ -106,6 +107,7 @@ class Runner:
         )
         scored = time.perf_counter()
 
+        training.ppo.desired_kl = desired_kl_at(self.iteration / run.iterations, ppo)
         minibatches = training.generators["minibatches"]
         if self.iteration < run.critic_warmup:
             metrics |= training.ppo.update_critic(rollout, return_, minibatches)
@@ -128,7 +130,9 @@ class Runner:
             metrics |= self.skill_curriculum.update(rollout)
         readings = self._readings(rollout) if self.iteration % run.gait_every == 0 else {}
         hardening = self.config.env.hardening
-        training.env.difficulty = next_difficulty(training.env.difficulty, metrics | readings, hardening)
+        training.env.difficulty = next_difficulty(
+            training.env.difficulty, metrics | readings, hardening, training.env.num_skills
+        )
         metrics["time/collect_s"] = collected - started
         metrics["time/score_s"] = scored - collected
         metrics["time/policy_update_s"] = policy_updated - scored
