@@ -57,6 +57,12 @@ def test_a_wrong_value_is_named(tmp_path):
         read_report(tmp_path / "eval.json", "evaluate again")
 
 
+def test_the_parts_without_the_policys_own_walks_are_printed():
+    """parts=[robustness]: of the gaits there are the baselines' alone."""
+    found = report(policies={"standing": policy_summary({"trot": gait_summary(None, 4)})})
+    assert [table.title for table in printed(found).renderables] == ["gaits, nominal"]
+
+
 def test_figures_without_a_value_are_printed_and_logged_as_none():
     found = judged()
     assert printed(found).renderables

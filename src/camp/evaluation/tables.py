@@ -24,7 +24,9 @@ def printed(report: Report) -> Group:
     """All tables for the parts that the report has, the verdict last."""
     tables: list[Table] = []
     if report.policies:
-        tables += [_gaits(report), _reasons(report.policies["trained"], "nominal")]
+        tables.append(_gaits(report))
+    if "trained" in report.policies:
+        tables.append(_reasons(report.policies["trained"], "nominal"))
     if report.table_i is not None:
         tables += [_table_i(report.table_i), _reasons(report.table_i.walks, "Table I"), _friction(report.table_i)]
     parts: list[tuple[object, Callable[..., Table]]] = [
