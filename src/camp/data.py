@@ -12,6 +12,9 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
+# Bound on every number that a network observes, far beyond anything physical.
+OBSERVATION_LIMIT = 1e3
+
 
 @dataclass
 class Transition:
@@ -51,6 +54,7 @@ class Step:
     task_reward: Tensor  # (N,) weighted sum of the task terms (Table II)
     terminated: Tensor  # (N,) bool: the task failed, no future to bootstrap from
     truncated: Tensor  # (N,) bool: a time-out, the future exists but is not simulated
+    diverged: Tensor  # (N,) bool: terminated because the simulation or the action was physically impossible
     transition: Tensor  # (N, F, S) the last one at the step's end
     skill: Tensor  # (N,) int64 skill commanded during this step
     command: Tensor  # (N, 3) vx, vy in m/s, yaw rate in rad/s, commanded during this step

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camp.common.errors import CampError
+from camp.common.mujoco_log import no_log_file
 from camp.deployment.metadata import read_metadata
 from camp.metrics.contact import debounced
 from camp.metrics.gait import measure_gait
@@ -92,6 +93,7 @@ class Robot:
 
     def __init__(self, metadata: dict[str, Any]):
         """Raises CampError for a control period that the physics timestep does not divide."""
+        no_log_file()
         self.model = mujoco.MjModel.from_xml_path(str(find_robot(metadata["robot"]).model_path))
         self.data = mujoco.MjData(self.model)
         joints = [self.model.joint(name) for name in metadata["joint_names"]]

@@ -6,10 +6,10 @@ from typing import Any, ClassVar
 
 import gymnasium as gym
 import numpy as np
-import torch
 
 from camp.build import build_env, expert_clips
 from camp.config.compose import compose_config
+from camp.envs.actions import as_action
 from camp.sim.rendering import RobotRenderer
 
 
@@ -17,7 +17,7 @@ class Go2Env(gym.Env):
     """The batched environment with N = 1, in numpy; an ended episode waits for ``reset``.
 
     The reward is the weighted task reward of Table II; ``info`` holds the critic's ``privileged`` observation, the
-    ``skill`` label, the ``command`` and the AMP ``transition`` (2, 43) of the step.
+    ``skill`` label, the ``command``, the AMP ``transition`` (2, 43) of the step and whether the robot ``diverged``.
 
     Args:
         render_mode: None or "rgb_array".
@@ -42,8 +42,18 @@ class Go2Env(gym.Env):
         return observation[0].numpy(force=True), {"privileged": info["privileged"][0].numpy(force=True)}
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        result = self.batched.advance(torch.as_tensor(action, dtype=torch.float32)[None])
+        """Gymnasium's step with the network's outputs (12,).
+
+        An absurd action, and a state that is physically impossible, terminate the episode without reward, and
+        ``info["diverged"]`` says so. Raises ValueError, before anything changes, for an action of another type or
+        shape, or one that is not finite.
+        """
+        wanted = as_action(action, self.action_space.shape, self.batched.sim.device)
+        if not wanted.isfinite().all():
+            raise ValueError(f"action {action!r}: give finite numbers")
+        result = self.batched.advance(wanted[None])
         info = {
+            "diverged": bool(result.diverged[0]),
             "privileged": result.final_privileged[0].numpy(force=True),
             "transition": result.transition[0].numpy(force=True),
             "command": result.command[0].numpy(force=True),

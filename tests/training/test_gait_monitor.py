@@ -26,6 +26,7 @@ def step(contact: torch.Tensor, skill: torch.Tensor, ended: torch.Tensor) -> Ste
         task_reward=nothing,
         terminated=ended,
         truncated=torch.zeros(num, dtype=torch.bool),
+        diverged=torch.zeros(num, dtype=torch.bool),
         transition=nothing,
         skill=skill,
         command=torch.zeros(num, 3),

@@ -18,6 +18,7 @@ from camp.algo.config import ActorConfig, CriticConfig
 from camp.algo.normalizer import RunningNormalizer
 from camp.common.errors import ConfigError
 
+LARGEST_RETURN = 1e9  # of the running scale; what a task pays is its own affair, so only nonsense is left out
 ACTOR_HEAD_GAIN = 0.01  # the first policy holds the default pose (Andrychowicz et al. 2021)
 SKILL_HEAD_GAIN = 0.1  # first predictions are short, so the first loss is the embedding's own norm
 
@@ -113,7 +114,7 @@ class Critic(nn.Module):
         """input_size: O + X."""
         super().__init__()
         self.normalizer = RunningNormalizer(input_size)
-        self.returns = RunningNormalizer(1)
+        self.returns = RunningNormalizer(1, largest=LARGEST_RETURN)
         self.network = mlp((input_size, *config.hidden, 1), nn.ELU, 1.0, generator)
 
     def forward(self, observation: Tensor, privileged: Tensor) -> Tensor:
@@ -128,9 +129,9 @@ class Critic(nn.Module):
         return self.returns.std.to(torch.float32)
 
     @torch.no_grad()
-    def observe(self, observation: Tensor, privileged: Tensor) -> None:
-        """Feeds the input normalizer; (..., O), (..., X)."""
-        self.normalizer.update(torch.cat([observation, privileged], dim=-1))
+    def observe(self, observation: Tensor, privileged: Tensor) -> Tensor:
+        """Feeds the input normalizer; (..., O), (..., X). Returns how many rows it left out, ()."""
+        return self.normalizer.update(torch.cat([observation, privileged], dim=-1))
 
     @torch.no_grad()
     def rescale(self, return_: Tensor) -> None:

@@ -137,7 +137,7 @@ class PPO:
             # Before the first step new and old policy are the same: a KL of 0 says nothing about the rate.
             self._actor_step(_take(actor_batch, index), averages, adapt=self.config.adaptive and i > 0)
             self._critic_step(_take(critic_batch, index), averages)
-        self.critic.observe(rollout.observation, rollout.privileged)
+        self._observe(rollout, averages)
         if self.config.update_normalizer:
             self.actor.normalizer.update(rollout.observation)
         return averages.result() | {"ppo/learning_rate": self.learning_rate}
@@ -152,8 +152,11 @@ class PPO:
         batch = self._critic_batch(rollout, return_, averages)
         for index in self._indices(return_, generator):
             self._critic_step(_take(batch, index), averages)
-        self.critic.observe(rollout.observation, rollout.privileged)
+        self._observe(rollout, averages)
         return averages.result() | {"ppo/learning_rate": self.learning_rate}
+
+    def _observe(self, rollout: Rollout, averages: Averages) -> None:
+        averages.add("ppo/rows_left_out", self.critic.observe(rollout.observation, rollout.privileged))
 
     def _indices(self, return_: Tensor, generator: torch.Generator) -> Iterator[Tensor]:
         return minibatches(return_.numel(), self.config.epochs, self.config.minibatches, generator)

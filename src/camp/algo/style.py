@@ -81,8 +81,8 @@ class StylePrior:
         # Fed once per iteration with equal parts, however many steps follow: the statistics must not lean
         # towards either side, or the scale of the input alone would tell them apart.
         both = concatenate([demonstrations.sample(size, generator), draw(policy, size, generator)])
-        self.normalizer.update(both.state)
         averages = Averages()
+        averages.add("prior/style/rows_left_out", self.normalizer.update(both.state))
         for _ in range(self.config.updates):
             expert = demonstrations.sample(size, generator)
             self._step(expert, self._fakes(policy, demonstrations, generator), averages, generator)

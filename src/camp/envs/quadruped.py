@@ -13,10 +13,12 @@ from torch import Tensor
 
 from camp.common.seeding import generator_state, restore_generator
 from camp.common.tensors import constant, copied
-from camp.data import Step
+from camp.data import OBSERVATION_LIMIT, Step
 from camp.envs import observations
+from camp.envs.actions import as_action, usable
 from camp.envs.commands import sample_commands, sample_skills, uniform
 from camp.envs.config import EXTERNAL, EnvConfig
+from camp.envs.divergence import FirstCase, judged
 from camp.envs.measurement import Measurement, measure
 from camp.envs.randomization import randomization_at, sample_dynamics
 from camp.envs.rewards import active_terms, averaged, mix_rewards, task_rewards
@@ -27,10 +29,8 @@ from camp.envs.terminations import failed
 from camp.motion.clips.sampler import ReferenceStates
 from camp.robots.amp_state import AMP_STATE_SIZE, amp_slice
 from camp.robots.quadruped import NUM_JOINTS
-from camp.sim.base import Dynamics, Simulator, select
+from camp.sim.base import Dynamics, RobotState, Simulator, select
 
-# The observation's bound for values that a diverging simulation produces; far beyond anything physical.
-_OBSERVATION_LIMIT = 1e3
 # A start for every robot is drawn this often, in s, and taken by those whose episode ends meanwhile: what drawing
 # costs is shared by many control steps, and nobody has to wait for the number of robots that need one.
 STARTS_PERIOD_S = 0.4
@@ -103,6 +103,7 @@ class QuadrupedEnv(VectorEnv):
         self._ages = tuple(config.transition_ages)
         self.amp_history = torch.zeros(num, self._ages[0], AMP_STATE_SIZE, device=device)  # the last A states
         self.num_diverged = torch.zeros((), dtype=torch.int64, device=device)  # simulations since construction
+        self.first_diverged = FirstCase(device)
         self.default_pose = constant(self.robot.default_joint_position, self.command)
         self.observation = torch.zeros(num, observations.size(self.actor_entries), device=device)
         self.privileged = torch.zeros(num, observations.size(self.privileged_entries), device=device)
@@ -127,15 +128,21 @@ class QuadrupedEnv(VectorEnv):
 
     def step(self, actions: Tensor) -> tuple[Tensor, Tensor, Tensor, Tensor, dict[str, Any]]:
         """Gymnasium's form of ``advance``: the reward is the weighted task reward, the ``Step`` is in the info."""
-        result = self.advance(torch.as_tensor(actions, device=self._device, dtype=torch.float32))
+        result = self.advance(actions)
         info = {"step": result, "privileged": result.privileged, "final_obs": result.final_observation}
         return result.observation, result.task_reward, result.terminated, result.truncated, info
 
     def advance(self, action: Tensor, give_up: Tensor | None = None) -> Step:
         """One control step with the network's outputs (N, 12): target = default pose + k action.
 
-        give_up: (N,) bool, whose episode is truncated at its end in any case.
+        A robot whose action is not finite or absurd, or whose state becomes physically impossible, has diverged: its
+        episode is terminated without reward, and nothing of the impossible state is passed on.
+
+        give_up: (N,) bool, whose episode is truncated at its end in any case. Raises ValueError, before anything
+        changes, for actions of another type or shape.
         """
+        given = as_action(action, (self.num_envs, NUM_JOINTS), self._device)
+        action, useless = usable(given)
         if self._steps_to_draw == 0:
             self._draw_starts()
         self._steps_to_draw -= 1
@@ -143,23 +150,26 @@ class QuadrupedEnv(VectorEnv):
         self._before = Before(self.last_action, self.amp_state[:, _JOINT_VELOCITY])
         self.last_action = action
         self._push()
-        self.sim.step(self.default_pose + self.action_scale * action)
+        before, target = self.sim.state_dict(), self.default_pose + self.action_scale * action
+        self.sim.step(target)
         self.step_count = self.step_count + 1
 
-        measurement = measure(self.robot, self.sim.state)
-        diverged = self.sim.diverged()
+        reached = self.sim.state
+        state, diverged = judged(self.robot, reached, useless, self._starts.initial.robot_state())
+        self.first_diverged.note(diverged, self._case(before, given, target, reached))
+        measurement = measure(self.robot, state)
         self.num_diverged = self.num_diverged + diverged.sum()
-        # A robot whose simulation diverged has no successor state; a pair that stands still keeps it finite.
+        # A robot whose simulation diverged has no successor state: its last pair stands still.
         successor = torch.where(diverged[:, None], self.amp_state, measurement.amp_state())
         history = torch.cat([self.amp_history, successor[:, None]], dim=1)  # (N, A + 1, S)
         transition = torch.stack([history[:, -1 - age] for age in self._ages], dim=1)
         self.amp_history = history[:, 1:]
-        velocity = measurement.velocity().nan_to_num(0.0)
+        velocity = measurement.velocity()
         self.average_velocity = averaged(
             self.average_velocity, velocity, self.sim.control_period, self.config.reward.velocity_average_s
         )
         situation = self._situation(measurement)
-        reward = task_rewards(self._terms, situation)
+        reward = {name: term.masked_fill(diverged, 0.0) for name, term in task_rewards(self._terms, situation).items()}
         terminated = failed(measurement, diverged, self.config.termination)
         truncated = self.step_count >= self._episode_steps()
         if give_up is not None:
@@ -181,6 +191,7 @@ class QuadrupedEnv(VectorEnv):
             task_reward=mix_rewards(reward, self._weights) if reward else torch.zeros_like(self.command[:, 0]),
             terminated=terminated,
             truncated=truncated,
+            diverged=diverged,
             transition=transition,
             skill=skill,
             command=command,
@@ -329,6 +340,22 @@ class QuadrupedEnv(VectorEnv):
         """(N, 12) the network's output that asks for the joint targets held before the start."""
         return (starts.joint_target - self.default_pose) / self.action_scale
 
+    def _case(
+        self, before: dict[str, Tensor], action: Tensor, target: Tensor, reached: RobotState
+    ) -> dict[str, Tensor]:
+        """What a control step began with and came to, each (N, ...), for `camp.replay`."""
+        return {
+            **{f"before.{name}": value for name, value in before.items()},
+            **{f"dynamics.{name}": value for name, value in self.dynamics.tensors().items()},
+            "action": action,
+            "joint_target": target,
+            "command": self.command,
+            "skill": self.skill,
+            "step": self.step_count,
+            "reached.qpos": reached.qpos(),
+            "reached.qvel": reached.qvel(),
+        }
+
     def _situation(self, measurement: Measurement) -> Situation:
         return Situation(
             self.setup,
@@ -381,4 +408,4 @@ def _box(width: int) -> gym.spaces.Box:
 
 
 def _bounded(value: Tensor) -> Tensor:
-    return value.nan_to_num(0.0).clamp_(-_OBSERVATION_LIMIT, _OBSERVATION_LIMIT)
+    return value.nan_to_num(0.0).clamp_(-OBSERVATION_LIMIT, OBSERVATION_LIMIT)

@@ -19,6 +19,7 @@ from camp.evaluation.plan import Plan, joined
 from camp.evaluation.simulation import WatchedSimulator, on_floor
 from camp.robots.robot import Robot
 from camp.sim.base import RobotState
+from camp.sim.divergence import diverged
 
 FALL = TerminationConfig(body_contact_force_n=1.0, tilt_rad=0.8)  # as in training; AMP on A1
 Progress = Callable[[int, int], None]  # control steps done, and in all
@@ -86,7 +87,8 @@ def roll_out(
                 change[rows] = disturbances.push(step)
             sim.push(change)
             sim.step(held)
-            fell = failed(measure(setting.robot, sim.state), sim.diverged(), FALL)
+            state = sim.state
+            fell = failed(measure(setting.robot, state), diverged(setting.robot, state), FALL)
             notes.take(step, target, sim, fell)
             if fell.any():
                 sim.reset(fell, floor)

@@ -13,6 +13,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from camp.common.mujoco_log import no_log_file
 from camp.robots.quadruped import NUM_JOINTS
 
 PerJoint = tuple[float, ...]  # 12 values in the order of JOINT_NAMES
@@ -63,6 +64,7 @@ class Robot:
 
     def load_spec(self) -> mujoco.MjSpec:
         """The editable model: robot on flat ground, one PD position actuator per joint, contact-force sensors."""
+        no_log_file()
         return mujoco.MjSpec.from_file(str(self.model_path))
 
     def load_model(self, timestep: float = 0.005) -> mujoco.MjModel:

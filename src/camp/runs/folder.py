@@ -20,6 +20,7 @@ WANDB = "wandb"  # folder of the W&B run; the same name beside the run folders l
 REPORT = "eval.json"  # what the evaluation says
 ARRAYS = "eval.npz"  # what it recorded
 VIDEOS = "videos"
+DIVERGED = "diverged"  # folder of what `camp.replay` shows
 FIGURES = "figures"
 MODEL = "policy.onnx"
 METADATA = "policy.json"

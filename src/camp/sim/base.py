@@ -50,6 +50,14 @@ class RobotState:
         """(N, 19) MuJoCo's generalized position: base position, base quaternion, joint positions."""
         return torch.cat([self.base_position, self.base_quaternion, self.joint_position], dim=1)
 
+    def qvel(self) -> Tensor:
+        """(N, 18) MuJoCo's generalized velocity: linear and angular velocity of the base, joint velocities."""
+        return torch.cat([self.base_linear_velocity, self.base_angular_velocity, self.joint_velocity], dim=1)
+
+    def replaced(self, mask: Tensor, other: Self) -> Self:
+        """Row by row ``other`` where ``mask`` (N,) bool holds, else these."""
+        return type(self)(**{name: select(mask, getattr(other, name), mine) for name, mine in vars(self).items()})
+
 
 @dataclass
 class InitialState:
@@ -170,10 +178,6 @@ class Simulator(Protocol):
 
     def push(self, velocity_change: Tensor) -> None:
         """Add to the linear velocity of every base, (N, 3) m/s, world frame."""
-        ...
-
-    def diverged(self) -> Tensor:
-        """(N,) bool: robots whose state is no longer finite. They stay so until they are reset."""
         ...
 
     def verify(self) -> None:

@@ -88,10 +88,6 @@ class CpuSimulator:
     def push(self, velocity_change: Tensor) -> None:
         self._rows["qvel"][:, 0:3] += velocity_change.numpy(force=True)
 
-    def diverged(self) -> Tensor:
-        finite = np.isfinite(self._rows["qpos"]).all(axis=1) & np.isfinite(self._rows["qvel"]).all(axis=1)
-        return torch.from_numpy(~finite)
-
     def verify(self) -> None:
         """Contact and constraint buffers grow as needed: nothing is ever left out."""
 

@@ -125,9 +125,6 @@ class GpuSimulator:
     def push(self, velocity_change: Tensor) -> None:
         self._qvel[:, 0:3] += velocity_change
 
-    def diverged(self) -> Tensor:
-        return ~(self._qpos.isfinite().all(dim=1) & self._qvel.isfinite().all(dim=1))
-
     def verify(self) -> None:
         settings = self._settings
         flags = (int(_CONTACT_OVERFLOW), int(_CONSTRAINT_OVERFLOW))

@@ -62,6 +62,23 @@ def alarms_of(config: Config) -> list[Alarm]:
             "the policy moves several times algo.ppo.desired_kl an iteration: a lower algo.ppo.min_learning_rate, "
             "fewer algo.ppo.epochs",
         ),
+        Alarm(
+            "diverged",
+            lambda m: m.get("env/diverged_per_1000_steps", 0.0) > 0.0,
+            1,
+            "the simulation of robots became physically impossible, and their episodes were ended: look at one in the "
+            "run's folder diverged/ with python -m camp.replay; a smaller sim.physics_timestep_s, less of "
+            "env.randomization or lower gains (robot.kp) help, and against wild actions a lower "
+            "algo.ppo.max_learning_rate",
+        ),
+        Alarm(
+            "rows_left_out",
+            lambda m: bool(_left_out(m)),
+            1,
+            "numbers beyond what can be observed did not go into the running mean and std: look for the entry of "
+            "env.observation.policy or env.observation.critic, or the clip of motion.folder, that holds them",
+            _left_out,
+        ),
         # No comparison with NaN holds, so the others stay silent once it has spread.
         Alarm(
             "not_finite",
@@ -72,6 +89,10 @@ def alarms_of(config: Config) -> list[Alarm]:
             _not_finite,
         ),
     ]
+
+
+def _left_out(metrics: Metrics) -> list[str]:
+    return [key for key, value in metrics.items() if key.endswith("/rows_left_out") and value > 0.0]
 
 
 def _not_finite(metrics: Metrics) -> list[str]:

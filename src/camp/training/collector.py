@@ -117,4 +117,5 @@ def _record(step: Step, averages: Averages) -> None:
     averages.add("tracking/linear_error_fast", linear, where=fast)
     averages.add("tracking/yaw_rate_error", error[:, 2].abs())
     averages.add("env/falls_per_1000_steps", 1000.0 * step.terminated)
+    averages.add("env/diverged_per_1000_steps", 1000.0 * step.diverged)
     averages.add("env/feet_in_contact", step.foot_contact.float().sum(1))

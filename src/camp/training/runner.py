@@ -29,6 +29,7 @@ from camp.runs.state import TrainingState, diverged
 from camp.training.alarms import AlarmMonitor, alarms_of
 from camp.training.best import BestCheckpoint
 from camp.training.collector import Collector
+from camp.training.dumps import save_dump
 from camp.training.gait_monitor import GaitMonitor
 from camp.training.hardening import next_difficulty
 from camp.training.patience import build_patience
@@ -77,6 +78,8 @@ class Runner:
             self.best.read(metrics)
             logger.log(self.iteration, metrics)
             progress.update(self.iteration, metrics)
+            for line in self.dump_diverged():
+                progress.say(f"iteration {self.iteration}: {line}")
             for line in self.alarms.new():
                 progress.say(f"iteration {self.iteration}: {line}")
             if self.iteration % run.checkpoint_every == 0:
@@ -141,6 +144,11 @@ class Runner:
         metrics["time/steps_per_s"] = steps / (time.perf_counter() - started)
         metrics["steps"] = float(self.iteration * steps)
         return metrics | readings
+
+    def dump_diverged(self) -> list[str]:
+        """Keep what led to the first divergence of this rank's robots in this iteration, if any; says how to see it."""
+        case = self.training.env.first_diverged.take()
+        return [] if case is None else save_dump(self.folder, self.iteration, case, self.config)
 
     def save(self) -> None:
         """Write a checkpoint of everything a bit-for-bit continuation needs, all ranks' parts in one file.
