@@ -140,6 +140,7 @@ def test_the_loop_needs_little_of_camp():
     modules = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module}
     assert {name for name in modules if name.startswith("camp")} == {
         "camp.common.errors",
+        "camp.common.mujoco_log",
         "camp.metrics.contact",
         "camp.metrics.gait",
         "camp.deployment.metadata",
@@ -181,6 +182,7 @@ def test_input_that_cannot_be_used_is_one_line(policy, run, capfd, arguments, me
 @pytest.mark.parametrize(
     ("key", "text", "message"),
     [
+        ("command_range", '{"vx_m_s": [1, 0]}', "not [low, high] of vx_m_s, vy_m_s, yaw_rate_rad_s"),
         ("kp", None, "metadata kp: missing"),
         ("kp", "30, 30", "metadata kp = '30, 30': not JSON"),
         ("kp", "[30, 30]", "metadata kp = [30, 30]: not 12 finite numbers"),
@@ -222,12 +224,34 @@ def test_an_answer_that_is_no_number_is_an_error(run, tmp_path):
         deploy.walk(deploy.Policy(tmp_path / "policy.onnx"), "trot", COMMANDS[0], 0.1)
 
 
-def test_a_diverging_simulation_is_an_error(policy, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)  # MuJoCo writes a log
+def test_a_command_beyond_the_range_of_training_is_clipped_and_told_once(policy, run, capsys, monkeypatch):
+    assert policy.within_range([2.0, 0.0, -0.7]) == [0.9, 0.0, -0.6] and policy.within_range([0.6, 0.2, 0.0]) == [
+        *(0.6, 0.2, 0.0)
+    ]
+    walks = []
+    monkeypatch.setattr(
+        deploy, "walk", lambda *given: walks.append(given[2]) or deploy.Walk(*[np.zeros((9, 3))] * 4, True)
+    )
+    for command in (["2", "0", "0"], ["0.6", "0", "0"]):
+        assert deploy.main([str(run / "policy.onnx"), "--skill", "trot", "--command", *command]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert walks == [[0.9, 0.0, 0.0], [0.6, 0.0, 0.0]]
+    assert lines[0] == "command:   2 0 0 is beyond what the policy was trained for; 0.9 0 0 is asked for"
+    assert lines[1] == "asked:     trot at 0.90 0.00 m/s 0.00 rad/s" and lines[3].startswith("asked: ")
+
+
+def test_a_policy_without_a_range_takes_any_command(policy, monkeypatch):
+    monkeypatch.delitem(policy.metadata, "command_range")
+    assert policy.within_range([2.0, 0.0, 0.0]) == [2.0, 0.0, 0.0]
+
+
+def test_a_diverging_simulation_is_an_error_without_a_log_file(policy, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     robot = deploy.Robot(policy.metadata)
     robot.data.qvel[:] = np.nan
     with pytest.raises(CampError, match="the robot's state is not finite: the simulation diverged"):
         robot.hold(robot.joint_position)
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.slow

@@ -90,7 +90,7 @@ def error_line(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
         ("run=smok", ("smok", "smoke")),
         ("algo.stile.weight=1", ("algo.stile", "algo.style")),
         ("sim.num_envs=none", ("sim.num_envs", "none")),
-        ("algo.ppo.clip_param=-1", ("algo.ppo.clip_param", "-1", "above 0")),
+        ("algo.ppo.clip_param=-1", ("algo.ppo.clip_param", "-1", "from 1e-06")),
         ("motion.skills=[trot,canter]", ("canter", "pronk")),
         ("motion.folder=/nowhere/clips", ("/nowhere/clips", "camp.dataset")),
         ("device=cuda:99", ("cuda:99", "cpu")),

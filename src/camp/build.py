@@ -21,6 +21,7 @@ from camp.common.paths import shipped_motions
 from camp.common.seeding import generator
 from camp.common.threads import threads_of_process
 from camp.config.devices import learner_device, simulator_device
+from camp.config.memory import check_memory
 from camp.config.resolve import load_run_config
 from camp.config.schema import Config
 from camp.envs.observations import entries_of, size
@@ -129,9 +130,10 @@ def build_env(config: Config, clips: list[Clip], num_envs: int | None = None) ->
 
 
 def build_training(config: Config) -> Training:
-    """Everything that trains on this rank. Raises CampError where clips or devices are missing, or where the ranks
-    cannot share the configured totals."""
+    """Everything that trains on this rank. Raises CampError where clips, devices or memory are missing, or where the
+    ranks cannot share the configured totals."""
     config = share_of_rank(config)
+    check_memory(config)
     device = learner_device(config.device)
     clips, skills = expert_clips(config), config.motion.skill_set()
     weights = generator(config.seed, "weights")

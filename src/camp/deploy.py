@@ -78,6 +78,13 @@ class Policy:
             raise CampError(f"skill {skill!r}: unknown to this policy; choose one of {', '.join(known)}")
         return np.array([name == skill and self.metadata["observe_skill"] for name in known], np.float32)
 
+    def within_range(self, command: Sequence[float]) -> list[float]:
+        """vx, vy in m/s, yaw rate in rad/s, clipped to the range of training; as it is where the policy names none."""
+        ranges = self.metadata.get("command_range")
+        if ranges is None:
+            return list(command)
+        return [min(max(value, low), high) for value, (low, high) in zip(command, ranges.values(), strict=True)]
+
     def joint_target(self, observation: Array) -> Array:
         """(45 + K,) -> (12,) rad. Raises CampError for an answer that is no number."""
         (answer,) = self._session.run(None, {"obs": observation[None]})
@@ -243,12 +250,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if not np.isfinite(options.command).all():
             raise CampError(f"--command {' '.join(map(str, options.command))}: give three finite numbers")
         policy = Policy(options.policy)
-        done = walk(policy, options.skill, options.command, options.seconds)
+        command = policy.within_range(options.command)
+        if command != list(options.command):
+            given, used = (" ".join(f"{number:g}" for number in numbers) for numbers in (options.command, command))
+            print(f"command:   {given} is beyond what the policy was trained for; {used} is asked for", flush=True)
+        done = walk(policy, options.skill, command, options.seconds)
     except CampError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     period = policy.metadata["control_period"]
-    asked = "{:.2f} {:.2f} m/s {:.2f} rad/s".format(*options.command)
+    asked = "{:.2f} {:.2f} m/s {:.2f} rad/s".format(*command)
     print(f"asked:     {options.skill} at {asked}")
     if done.fell:
         print(f"performed: fell after {len(done.qpos) * period:.2f} s")

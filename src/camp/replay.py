@@ -74,7 +74,7 @@ def simulate(dump: Dump) -> Replay:
     own = sim.state_dict()
     fitting = {name: before[name].to(value.dtype) for name, value in own.items() if name in before}
     if any(value.shape != own[name].shape for name, value in fitting.items()):
-        raise CheckpointError(f"dump of robot {about.robot}: its state does not fit this camp; use the camp of the run")
+        raise CheckpointError(f"dump of robot {about.robot}: its state does not fit this camp; use the run's")
     sim.load_state_dict(own | fitting)
     target = torch.from_numpy(dump.arrays["joint_target"]).float()[None]
     states = [sim.state]
@@ -173,11 +173,12 @@ def _short(value: float, width: int) -> str:
 def _dynamics(dump: Dump, device: torch.device) -> Dynamics:
     """The robot's physical parameters; those that a dump of an earlier camp lacks are nominal."""
     found = _batch(dump.part("dynamics"))
-    nominal = Dynamics.nominal(1, float(found["friction"]) if "friction" in found else 0.8, device)
+    nominal = Dynamics.nominal(1, 0.8, device)
     known = {field.name for field in fields(Dynamics)}
-    return replace(
-        nominal, **{name: value.to(getattr(nominal, name).dtype) for name, value in found.items() if name in known}
-    )
+    fitting = {name: value for name, value in found.items() if name in known}
+    if any(value.shape != getattr(nominal, name).shape for name, value in fitting.items()):
+        raise CheckpointError(f"dump of robot {dump.about.robot}: its parameters do not fit this camp; use the run's")
+    return replace(nominal, **{name: value.to(getattr(nominal, name).dtype) for name, value in fitting.items()})
 
 
 def _batch(arrays: dict[str, np.ndarray]) -> dict[str, Tensor]:

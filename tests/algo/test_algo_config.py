@@ -7,6 +7,7 @@ from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from camp.algo.config import AlgoConfig
+from camp.common.bounds import check_numbers
 from camp.common.errors import ConfigError
 from tests.algo.synthetic import CONF, shipped_config
 
@@ -33,7 +34,7 @@ def test_shipped_config_is_complete_and_valid():
         ("ppo.entropy_coef", float("nan")),
         ("ppo.epochs", 0),
         ("ppo.minibatches", 0),
-        ("ppo.learning_rate", 1.0),
+        ("ppo.learning_rate", 0.5),
         ("ppo.min_learning_rate", -1e-5),
         ("ppo.desired_kl", 0.0),
         ("ppo.final_desired_kl", 1.0),
@@ -63,6 +64,7 @@ def test_out_of_range_names_key_value_and_remedy(key: str, value: object):
     config = OmegaConf.to_object(raw)
     assert isinstance(config, AlgoConfig)
     with pytest.raises(ConfigError) as error:
+        check_numbers("algo", config)
         config.check()
     message = str(error.value)
     assert f"algo.{key} = {value!r}" in message and "\n" not in message

@@ -69,13 +69,16 @@ def test_switches_of_the_baseline():
 @pytest.mark.parametrize(
     ("override", "words"),
     [
-        ("sim.num_envs=0", ("sim.num_envs", "0", "1 or more")),
+        ("sim.num_envs=0", ("sim.num_envs", "0", "a whole number from 1 to 1048576")),
         ("sim.backend=quantum", ("sim.backend", "quantum", "cpu, gpu, auto")),
-        ("env.episode_s=0", ("env.episode_s", "0", "control period")),
+        ("env.episode_s=0", ("env.episode_s", "0", "from 0.001")),
         ("env.control_period_s=0.013", ("env.control_period_s", "0.013", "multiple")),
         ("env.command.vx_m_s=[1,-1]", ("env.command.vx_m_s", "[1.0, -1.0]", "low <= high")),
-        ("env.randomization.friction=[-1,1]", ("env.randomization.friction", "[-1.0, 1.0]", "low > 0")),
-        ("env.initialization.reference_fraction=1.5", ("reference_fraction", "1.5", "[0, 1]")),
+        (
+            "env.randomization.friction=[-1,1]",
+            ("env.randomization.friction", "[-1.0, 1.0]", "list numbers from 0.001 to 10"),
+        ),
+        ("env.initialization.reference_fraction=1.5", ("reference_fraction", "1.5", "from 0 to 1 (it is a fraction)")),
         ("robot.kp=[30,30]", ("robot.kp", "[30.0, 30.0]", "three")),
         ("motion.skills=[trot,gallop]", ("motion.skills", "gallop", "pronk")),
         ("motion.skills=[trot,trot]", ("motion.skills", "trot", "once")),
@@ -84,10 +87,10 @@ def test_switches_of_the_baseline():
         ("algo.imitation.epochs=0", ("algo.imitation.ppo_weight", "3.0", "run=scratch")),
         ("algo.imitation={epochs:0,ppo_weight:0}", ("update_normalizer", "False", "true")),
         ("algo.precision=float16", ("algo.precision", "float16", "bfloat16")),
-        ("algo.ppo.clip_param=0", ("algo.ppo.clip_param", "0", "above 0")),
-        ("run.iterations=0", ("run.iterations", "0", "1 or more")),
+        ("algo.ppo.clip_param=0", ("algo.ppo.clip_param", "0", "from 1e-06 to 10")),
+        ("run.iterations=0", ("run.iterations", "0", "from 1 to")),
         ("seed=-1", ("seed", "-1", "from 0")),
-        (f"seed={2**64}", ("seed", "18446744073709551616", "2^64 - 1")),
+        (f"seed={2**64}", ("seed", "18446744073709551616", "from 0 to 18446744073709551615")),
         ("variant='a b'", ("variant", "a b", "letters")),
     ],
 )
@@ -104,8 +107,8 @@ def test_out_of_range_values_name_key_value_and_remedy(override, words):
     ("overrides", "words"),
     [
         (["sim=gpu", "sim.device=tpu"], ("sim.device", "tpu", "cuda or cpu")),
-        (["sim=gpu", "sim.contacts_per_robot=0"], ("sim.contacts_per_robot", "0", "1 or more")),
-        (["sim=gpu", "sim.constraints_per_robot=0"], ("sim.constraints_per_robot", "0", "1 or more")),
+        (["sim=gpu", "sim.contacts_per_robot=0"], ("sim.contacts_per_robot", "0", "from 1 to")),
+        (["sim=gpu", "sim.constraints_per_robot=0"], ("sim.constraints_per_robot", "0", "from 1 to")),
         (["sim=cpu", "+sim.device=cuda"], ("sim.device", "cuda", "sim=gpu")),
     ],
 )

@@ -60,11 +60,11 @@ class Stepping:
     [
         ({"friction": 0.1}, "give {name: ..., and what differs}"),
         ({"name": "a", "mass": 3.0}, r"conditions\[a\].mass = 3.0: unknown"),
-        ({"name": "a", "friction": 0.0}, r"conditions\[a\].friction = 0.0: choose a finite number above 0"),
-        ({"name": "a", "payload_mass_kg": -1.0}, "0 or more"),
-        ({"name": "a", "noise": "much"}, "give a finite number"),
-        ({"name": "a", "loss": 1.0}, r"choose a fraction in \[0, 1\)"),
-        ({"name": "a", "delay_s": 0.5}, r"choose 0 to 0.1 s"),
+        ({"name": "a", "friction": 0.0}, r"conditions\[a\].friction = 0.0: choose a number from 0.001 to 10"),
+        ({"name": "a", "payload_mass_kg": -1.0}, "from 0 to 100"),
+        ({"name": "a", "noise": "much"}, "choose a number from 0 to 100"),
+        ({"name": "a", "loss": 1.0}, "choose a number from 0 to 0.99"),
+        ({"name": "a", "delay_s": 0.5}, "choose a number from 0 to 0.1"),
     ],
 )
 def test_a_wrong_condition_is_refused(entry, message):

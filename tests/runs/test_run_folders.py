@@ -66,7 +66,9 @@ def test_a_folder_from_before_robots_had_names_is_of_the_go2(run):
 def test_a_value_out_of_range_is_told_with_the_file(run):
     config = run / "config.yaml"
     config.write_text(config.read_text().replace("seed: 0\n", f"seed: {2**64}\n"))
-    assert f"(seed = {2**64}: choose a whole number from 0 to 2^64 - 1)" in refusal(run, ConfigError)
+    assert f"(seed = {2**64}: choose a whole number from 0 to 18446744073709551615 (torch takes" in refusal(
+        run, ConfigError
+    )
 
 
 def test_a_list_in_the_place_of_a_number_names_the_file(run):

@@ -6,6 +6,7 @@ import pytest
 import torch
 
 from camp.build import build_env, build_training
+from camp.common.bounds import check_numbers
 from camp.common.errors import ConfigError
 from camp.envs.config import HardeningConfig
 from camp.envs.randomization import randomization_at
@@ -89,4 +90,6 @@ def test_a_resumed_run_goes_on_as_hard(config, tmp_path):
 @pytest.mark.parametrize("change", [{"initial": 1.5}, {"step": -0.1}, {"accuracy_down": 0.95}])
 def test_values_that_cannot_work_are_refused(change):
     with pytest.raises(ConfigError, match=rf"env\.hardening\.{next(iter(change))}"):
-        HardeningConfig(**({"initial": 0.0} | change)).check()
+        hardening = HardeningConfig(**({"initial": 0.0} | change))
+        check_numbers("env.hardening", hardening)
+        hardening.check()

@@ -95,4 +95,4 @@ def test_built_only_where_it_is_asked_for(config):
 def test_patience_that_cannot_work_is_refused(config, enabled, patience_s):
     config.algo.skill.enabled, config.algo.skill.patience_s = enabled, patience_s
     with pytest.raises(ConfigError, match=r"algo\.skill\.patience_s"):
-        config.algo.check()
+        config.check()

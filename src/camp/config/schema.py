@@ -6,11 +6,13 @@ Values live in YAML (conf/); here are the types, the units and the ranges.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Annotated
 
 from omegaconf import MISSING
 
 from camp.algo.config import AlgoConfig
 from camp.common import checks
+from camp.common.bounds import Seed, Within, check_numbers
 from camp.envs.config import EnvConfig
 from camp.envs.observations import check_names
 from camp.envs.rewards import check_terms
@@ -23,36 +25,32 @@ from camp.robots.registry import find_robot
 from camp.runs.config import LoggerConfig
 from camp.sim.config import SimConfig
 
+Iterations = Annotated[int, Within(1, 10**8, "years of training")]
+IterationsOrNone = Annotated[int, Within(0, 10**8, "years of training")]
+RolloutSteps = Annotated[int, Within(1, 10_000, "control steps; all of them are kept in memory")]
+GaitWindow = Annotated[float, Within(1.0, 3600.0, "s; two slow strides at least")]
+
 
 @dataclass
 class RunConfig:
     """conf/run: how long and how often."""
 
-    iterations: int = MISSING  # of collecting and updating
-    rollout_steps: int = MISSING  # control steps per iteration and environment
-    critic_warmup: int = MISSING  # first iterations that train the critic and the priors alone (after imitation)
-    checkpoint_every: int = MISSING  # iterations
-    checkpoints_kept: int = MISSING
-    gait_window_s: float = MISSING  # of foot contacts that a live gait reading looks at
-    gait_every: int = MISSING  # iterations between live readings of gaits and of the style discriminator's logits
-
-    def check(self) -> None:
-        for name in ("iterations", "rollout_steps", "checkpoint_every", "checkpoints_kept", "gait_every"):
-            checks.count(f"run.{name}", getattr(self, name))
-        checks.not_negative("run.critic_warmup", self.critic_warmup)
-        checks.require(
-            self.gait_window_s >= 1.0,
-            "run.gait_window_s",
-            self.gait_window_s,
-            "choose 1 s or more: two slow strides",
-        )
+    iterations: Iterations = MISSING  # of collecting and updating
+    rollout_steps: RolloutSteps = MISSING  # control steps per iteration and environment
+    critic_warmup: IterationsOrNone = MISSING  # first ones that train critic and priors alone (after imitation)
+    checkpoint_every: Iterations = MISSING  # iterations
+    checkpoints_kept: Iterations = MISSING
+    gait_window_s: GaitWindow = MISSING  # of foot contacts that a live gait reading looks at
+    gait_every: Iterations = (
+        MISSING  # iterations between live readings of gaits and of the style discriminator's logits
+    )
 
 
 @dataclass
 class Config:
     """All of conf/train.yaml."""
 
-    seed: int = MISSING
+    seed: Seed = MISSING
     variant: str = MISSING  # names and groups the run
     device: str = MISSING  # of the learner: auto, cpu, cuda, cuda:1
     output_dir: str = MISSING
@@ -67,13 +65,13 @@ class Config:
 
     def check(self) -> None:
         """Raise ConfigError for the first value that cannot work, alone or beside another."""
-        checks.seed("seed", self.seed)
+        check_numbers("", self)
         allowed = "letters, digits, '.', '_' and '-'"
         for key in ("output_dir", "resume"):
             checks.place(key, getattr(self, key))
         clean = bool(self.variant) and all(c.isalnum() or c in "._-" for c in self.variant)
         checks.require(clean, "variant", self.variant, f"name it with {allowed}")
-        for part in (self.env, self.sim, self.robot, self.motion, self.algo, self.run, self.logger):
+        for part in (self.env, self.sim, self.robot, self.motion, self.algo, self.logger):
             part.check()
         check_terms(self.env.reward.terms)
         check_names("env.observation.policy", self.env.observation.policy)

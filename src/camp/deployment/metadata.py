@@ -13,6 +13,7 @@ from camp.robots.quadruped import JOINT_NAMES, NUM_JOINTS
 from camp.robots.registry import DEFAULT_ROBOT, ROBOTS
 
 LONGEST_PERIOD = 0.1  # s; a gait of 3 strides per second cannot be controlled, nor its contacts seen, more slowly
+COMMANDS = ("vx_m_s", "vy_m_s", "yaw_rate_rad_s")
 ENTRY_SIZES = {
     "base_angular_velocity": 3,
     "gravity": 3,
@@ -39,6 +40,8 @@ def read_metadata(properties: Mapping[str, str]) -> dict[str, Any]:
             raise CampError(f"metadata {key}: missing; export the policy again")
         if not holds(metadata[key]):
             raise _unusable(key, metadata[key], f"not {expected}")
+    if "command_range" in metadata and not _ranges(metadata["command_range"]):  # older files may lack it
+        raise _unusable("command_range", metadata["command_range"], f"not [low, high] of {', '.join(COMMANDS)}")
     sizes = ENTRY_SIZES | {"skill": len(metadata["skills"])}
     for entry in metadata["observation"]:
         name = entry.get("name") if isinstance(entry, dict) else None
@@ -60,12 +63,22 @@ def _positive(value: Any) -> bool:
     return type(value) in (int, float) and 0.0 < value < math.inf
 
 
-def _of_every_joint(value: Any) -> bool:
+def _ranges(value: Any) -> bool:
+    """Whether it is {name: [low, high]} of COMMANDS, in their order."""
     return (
-        isinstance(value, list)
-        and len(value) == NUM_JOINTS
-        and all(type(number) in (int, float) and math.isfinite(number) for number in value)
+        isinstance(value, dict)
+        and tuple(value) == COMMANDS
+        and all(isinstance(ends, list) and len(ends) == 2 and all(map(_finite, ends)) for ends in value.values())
+        and all(low <= high for low, high in value.values())
     )
+
+
+def _finite(value: Any) -> bool:
+    return type(value) in (int, float) and math.isfinite(value)
+
+
+def _of_every_joint(value: Any) -> bool:
+    return isinstance(value, list) and len(value) == NUM_JOINTS and all(map(_finite, value))
 
 
 def _texts(value: Any) -> bool:

@@ -3,15 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
 from omegaconf import MISSING
 
 from camp.common import checks
+from camp.common.bounds import Fraction, Friction, Kick, Scale, Seconds, SecondsOrZero, Speed, Spin, Within
 from camp.sim.delay import LONGEST_DELAY
 
 # Who gives commands and skills: random ones on a clock, or whoever calls `QuadrupedEnv.set_command`.
 CLOCK, EXTERNAL = SOURCES = ("clock", "external")
+
+SpinNoise = Annotated[float, Within(0.0, 100.0, "rad/s; three times a Go2's fastest joint")]
+AngleNoise = Annotated[float, Within(0.0, 3.15, "rad; half a turn")]
+Force = Annotated[float, Within(0.001, 1e5, "N; hundreds of times a robot's weight")]
+Tilt = Annotated[float, Within(0.01, 10.0, "rad; beyond pi no tilt ends an episode")]
+Payload = Annotated[float, Within(0.0, 100.0, "kg; several times the robot")]
+PayloadPosition = Annotated[float, Within(-1.0, 1.0, "m; beyond the robot's own length")]
+Delay = Annotated[float, Within(0.0, LONGEST_DELAY, "s; a third of a stride at 3 Hz")]
+GrowthSeconds = Annotated[float, Within(0.001, 1e7, "s; a third of a year of each robot")]
+FallRate = Annotated[float, Within(0.0, 1000.0, "per 1000 steps")]
+ControlPeriod = Annotated[float, Within(0.001, 0.1, "s; slower nobody controls a gait of 3 strides per second")]
+Age = Annotated[int, Within(0, 1000, "control steps; 20 s at 50 Hz")]
 
 
 @dataclass
@@ -19,14 +32,10 @@ class NoiseConfig:
     """Half-widths of the uniform sensor noise on the policy's observation; the critic's own part has none."""
 
     enabled: bool = MISSING
-    angular_velocity_rad_s: float = MISSING
-    gravity: float = MISSING  # per component of the unit vector
-    joint_position_rad: float = MISSING
-    joint_velocity_rad_s: float = MISSING
-
-    def check(self) -> None:
-        for name in ("angular_velocity_rad_s", "gravity", "joint_position_rad", "joint_velocity_rad_s"):
-            checks.not_negative(f"env.noise.{name}", getattr(self, name))
+    angular_velocity_rad_s: SpinNoise = MISSING
+    gravity: Fraction = MISSING  # per component of the unit vector
+    joint_position_rad: AngleNoise = MISSING
+    joint_velocity_rad_s: SpinNoise = MISSING
 
 
 @dataclass
@@ -71,26 +80,20 @@ class CommandConfig:
 
     source: str = "clock"  # of CLOCK and EXTERNAL
 
-    vx_m_s: list[float] = MISSING  # [low, high], forward
-    vy_m_s: list[float] = MISSING  # [low, high], left
-    yaw_rate_rad_s: list[float] = MISSING  # [low, high], counter-clockwise
-    zero_component_fraction: float = MISSING  # probability that a component is zero
-    zero_fraction: float = MISSING  # probability that the whole command is zero
-    period_s: float = MISSING  # a new command this often, counted from an episode's start
-    skill_period_s: float = MISSING  # a new skill this often, likewise
+    vx_m_s: list[Speed] = MISSING  # [low, high], forward
+    vy_m_s: list[Speed] = MISSING  # [low, high], left
+    yaw_rate_rad_s: list[Spin] = MISSING  # [low, high], counter-clockwise
+    zero_component_fraction: Fraction = MISSING  # probability that a component is zero
+    zero_fraction: Fraction = MISSING  # probability that the whole command is zero
+    period_s: Seconds = MISSING  # a new command this often, counted from an episode's start
+    skill_period_s: Seconds = MISSING  # a new skill this often, likewise
     # null: every draw is uniform. A number: draws that share time equally (0) or in proportion to failure (1).
-    skill_focus: float | None = None
+    skill_focus: Fraction | None = None
 
     def check(self) -> None:
         checks.require(self.source in SOURCES, "env.command.source", self.source, f"choose {' or '.join(SOURCES)}")
         for name in ("vx_m_s", "vy_m_s", "yaw_rate_rad_s"):
             checks.interval(f"env.command.{name}", getattr(self, name))
-        checks.fraction("env.command.zero_component_fraction", self.zero_component_fraction)
-        checks.fraction("env.command.zero_fraction", self.zero_fraction)
-        checks.positive("env.command.period_s", self.period_s)
-        checks.positive("env.command.skill_period_s", self.skill_period_s)
-        if self.skill_focus is not None:
-            checks.fraction("env.command.skill_focus", self.skill_focus)
 
 
 @dataclass
@@ -100,27 +103,20 @@ class RewardConfig:
     # By term: its weight (absent or 0: not computed) and its parameters, numbers above 0. Names and parameters are
     # checked with the whole configuration, which knows the terms.
     terms: dict[str, dict[str, Any]] = field(default_factory=dict)
-    velocity_average_s: float = MISSING  # time constant of the average that is rewarded; 0: the velocity itself
+    velocity_average_s: SecondsOrZero = MISSING  # time constant of the average that is rewarded; 0: the velocity itself
 
     def weights(self) -> dict[str, float]:
         """Weight of every term that the environment computes, by its name."""
         weights = {name: float(values.get("weight", 0.0)) for name, values in self.terms.items()}
         return {name: weight for name, weight in weights.items() if weight != 0.0}
 
-    def check(self) -> None:
-        checks.not_negative("env.reward.velocity_average_s", self.velocity_average_s)
-
 
 @dataclass
 class TerminationConfig:
     """When an episode has failed."""
 
-    body_contact_force_n: float = MISSING  # ground reaction on base or thigh
-    tilt_rad: float = MISSING  # angle between the trunk's and the world's vertical
-
-    def check(self) -> None:
-        checks.positive("env.termination.body_contact_force_n", self.body_contact_force_n)
-        checks.positive("env.termination.tilt_rad", self.tilt_rad)
+    body_contact_force_n: Force = MISSING  # ground reaction on base or thigh
+    tilt_rad: Tilt = MISSING  # angle between the trunk's and the world's vertical
 
 
 @dataclass
@@ -128,31 +124,24 @@ class RandomizationConfig:
     """Domain randomization (paper, Table I), drawn anew at every reset."""
 
     enabled: bool = MISSING  # false: the nominal robot
-    nominal_friction: float = MISSING  # coefficient where it is disabled
-    link_mass_scale: list[float] = MISSING  # times nominal, each link
-    payload_mass_kg: list[float] = MISSING
-    payload_position_m: list[float] = MISSING  # each axis, from the base origin
-    friction: list[float] = MISSING  # foot-ground coefficient
-    motor_strength_scale: list[float] = MISSING  # times the motor torque, each joint
-    kp_scale: list[float] = MISSING  # times nominal, each joint
-    kd_scale: list[float] = MISSING  # times nominal, each joint
+    nominal_friction: Friction = MISSING  # coefficient where it is disabled
+    link_mass_scale: list[Scale] = MISSING  # times nominal, each link
+    payload_mass_kg: list[Payload] = MISSING
+    payload_position_m: list[PayloadPosition] = MISSING  # each axis, from the base origin
+    friction: list[Friction] = MISSING  # foot-ground coefficient
+    motor_strength_scale: list[Scale] = MISSING  # times the motor torque, each joint
+    kp_scale: list[Scale] = MISSING  # times nominal, each joint
+    kd_scale: list[Scale] = MISSING  # times nominal, each joint
     # From the measured state to the torque, all latencies together; not in Table I. A delayed observation is the same
     # closed loop as a delayed target.
-    delay_s: list[float] = field(default_factory=lambda: [0.0, 0.0])
+    delay_s: list[Delay] = field(default_factory=lambda: [0.0, 0.0])
 
     def check(self) -> None:
-        checks.positive("env.randomization.nominal_friction", self.nominal_friction)
         checks.interval("env.randomization.payload_position_m", self.payload_position_m)
-        checks.not_negative_interval("env.randomization.payload_mass_kg", self.payload_mass_kg)
+        checks.interval("env.randomization.payload_mass_kg", self.payload_mass_kg)
         for name in ("link_mass_scale", "friction", "motor_strength_scale", "kp_scale", "kd_scale"):
-            checks.positive_interval(f"env.randomization.{name}", getattr(self, name))
-        checks.not_negative_interval("env.randomization.delay_s", self.delay_s)
-        checks.require(
-            self.delay_s[1] <= LONGEST_DELAY,
-            "env.randomization.delay_s",
-            self.delay_s,
-            f"choose at most {LONGEST_DELAY:g} s",
-        )
+            checks.interval(f"env.randomization.{name}", getattr(self, name))
+        checks.interval("env.randomization.delay_s", self.delay_s)
 
 
 @dataclass
@@ -160,37 +149,32 @@ class PushConfig:
     """Sudden changes of the base's horizontal velocity."""
 
     enabled: bool = MISSING
-    period_s: float = MISSING
-    max_velocity_m_s: float = MISSING  # each horizontal axis, either way
-
-    def check(self) -> None:
-        checks.positive("env.push.period_s", self.period_s)
-        checks.not_negative("env.push.max_velocity_m_s", self.max_velocity_m_s)
+    period_s: Seconds = MISSING
+    max_velocity_m_s: Kick = MISSING  # each horizontal axis, either way
 
 
 @dataclass
 class InitializationConfig:
     """Where episodes start."""
 
-    reference_fraction: float = MISSING  # of the resets, in a random frame of an expert clip of the commanded skill
-    joint_position_scale: list[float] = MISSING  # the rest: standing, joints at default times this (Table I)
+    reference_fraction: Fraction = MISSING  # of the resets, in a random frame of an expert clip of the commanded skill
+    joint_position_scale: list[Scale] = MISSING  # the rest: standing, joints at default times this (Table I)
 
     def check(self) -> None:
-        checks.fraction("env.initialization.reference_fraction", self.reference_fraction)
-        checks.positive_interval("env.initialization.joint_position_scale", self.joint_position_scale)
+        checks.interval("env.initialization.joint_position_scale", self.joint_position_scale)
 
 
 @dataclass
 class EpisodeGrowthConfig:
     """A curriculum: episodes begin short and double again and again, up to ``env.episode_s``."""
 
-    initial_s: float | None = None  # length of the first episodes; null: ``env.episode_s`` from the start
-    doubling_s: float = 28.8  # the length doubles whenever every robot has been simulated for this long
+    initial_s: Seconds | None = None  # length of the first episodes; null: ``env.episode_s`` from the start
+    doubling_s: GrowthSeconds = 28.8  # the length doubles whenever every robot has been simulated for this long
     # Once the length has grown to this many s, each skill's own success decides about its episodes, as
     # `camp.training.skill_curriculum` says; null: never.
-    by_skill_from_s: float | None = None
-    success_up: float = 0.7  # of a skill's stretches: its episodes grow at or above, ...
-    success_down: float = 0.4  # ... and shrink below
+    by_skill_from_s: Seconds | None = None
+    success_up: Fraction = 0.7  # of a skill's stretches: its episodes grow at or above, ...
+    success_down: Fraction = 0.4  # ... and shrink below
 
     def check(self) -> None:
         checks.require(
@@ -199,32 +183,25 @@ class EpisodeGrowthConfig:
             self.by_skill_from_s,
             f"choose null, or at least env.episode_growth.initial_s ({self.initial_s}), the length that grows",
         )
-        checks.fraction("env.episode_growth.success_up", self.success_up)
         checks.require(
             0.0 <= self.success_down <= self.success_up,
             "env.episode_growth.success_down",
             self.success_down,
             f"choose a fraction within 0 .. success_up ({self.success_up})",
         )
-        checks.positive("env.episode_growth.doubling_s", self.doubling_s)
 
 
 @dataclass
 class HardeningConfig:
     """A curriculum: noise, randomization and pushes begin weak and grow while the gaits hold (`camp.hardening`)."""
 
-    initial: float | None = None  # difficulty in [0, 1] at the start; null: all of it from the start
-    step: float = 0.05  # of the difficulty, at one reading of the gaits (run.gait_every)
-    accuracy_up: float = 0.9  # harder where this fraction shows its gait, mean over skills, ...
-    falls_per_1000_steps: float = 1.0  # ... and no more fall
-    accuracy_down: float = 0.75  # easier below it
+    initial: Fraction | None = None  # difficulty in [0, 1] at the start; null: all of it from the start
+    step: Fraction = 0.05  # of the difficulty, at one reading of the gaits (run.gait_every)
+    accuracy_up: Fraction = 0.9  # harder where this fraction shows its gait, mean over skills, ...
+    falls_per_1000_steps: FallRate = 1.0  # ... and no more fall
+    accuracy_down: Fraction = 0.75  # easier below it
 
     def check(self) -> None:
-        if self.initial is not None:
-            checks.fraction("env.hardening.initial", self.initial)
-        checks.fraction("env.hardening.step", self.step)
-        checks.fraction("env.hardening.accuracy_up", self.accuracy_up)
-        checks.not_negative("env.hardening.falls_per_1000_steps", self.falls_per_1000_steps)
         checks.require(
             0.0 <= self.accuracy_down <= self.accuracy_up,
             "env.hardening.accuracy_down",
@@ -237,12 +214,12 @@ class HardeningConfig:
 class EnvConfig:
     """The whole group conf/env."""
 
-    episode_s: float = MISSING  # at most
-    control_period_s: float = MISSING
+    episode_s: Seconds = MISSING  # at most
+    control_period_s: ControlPeriod = MISSING
     observe_skill: bool = MISSING  # false: the skill's entries of the observation are zero (ablation)
     # Ages in control steps of the states that the discriminators judge together, oldest first; [1, 0]: the paper's
     # two consecutive states. Older ones show the stride frequency.
-    transition_ages: list[int] = field(default_factory=lambda: [1, 0])
+    transition_ages: list[Age] = field(default_factory=lambda: [1, 0])
     episode_growth: EpisodeGrowthConfig = field(default_factory=EpisodeGrowthConfig)
     hardening: HardeningConfig = field(default_factory=HardeningConfig)
     observation: ObservationConfig = field(default_factory=ObservationConfig)
@@ -255,7 +232,6 @@ class EnvConfig:
     initialization: InitializationConfig = field(default_factory=InitializationConfig)
 
     def check(self) -> None:
-        checks.positive("env.control_period_s", self.control_period_s)
         checks.require(
             self.episode_s >= self.control_period_s,
             "env.episode_s",
@@ -279,12 +255,8 @@ class EnvConfig:
         for part in (
             self.episode_growth,
             self.hardening,
-            self.noise,
             self.command,
-            self.reward,
-            self.termination,
             self.randomization,
-            self.push,
             self.initialization,
         ):
             part.check()

@@ -47,7 +47,7 @@ class FirstCase:
         self._taken = self._taken | fresh
 
     def take(self) -> dict[str, np.ndarray] | None:
-        """The kept robot's parts, float64, and ROBOT, its number; None where no simulation diverged since the last call."""
+        """The kept robot's parts, float64, and ROBOT, its number; None where nobody diverged since the last call."""
         if not bool(self._taken):
             return None
         self._taken = torch.zeros_like(self._taken)

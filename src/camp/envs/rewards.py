@@ -14,7 +14,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from camp.common import checks
+from camp.common.bounds import Within, check_number
 from camp.common.errors import ConfigError
 from camp.envs.measurement import sliding_speed
 from camp.envs.situation import Situation
@@ -22,6 +22,8 @@ from camp.envs.situation import Situation
 Term = Callable[..., Tensor]  # (situation, parameters by name) -> (N,)
 TERMS: dict[str, Term] = {}
 WEIGHT = "weight"
+_WEIGHT_RANGE = Within(-1e6, 1e6, "a weight beside others of order 1; penalties have negative ones")
+_PARAMETER_RANGE = Within(1e-6, 1e6, "in SI units nothing of a robot is beyond")
 # Metrics of the three rewards of eq. (2) have these names: `reward/style/raw`.
 _TAKEN = ("task", "style", "skill")
 
@@ -109,9 +111,7 @@ def check_terms(terms: Mapping[str, Mapping[str, Any]]) -> None:
         if lacking:
             raise ConfigError(f"{key}: lacks {lacking[0]}; add it beside {WEIGHT}")
         for parameter, value in values.items():
-            checks.require(type(value) in (int, float), f"{key}.{parameter}", value, "give a number")
-            check = checks.finite if parameter == WEIGHT else checks.positive
-            check(f"{key}.{parameter}", value)
+            check_number(f"{key}.{parameter}", value, _WEIGHT_RANGE if parameter == WEIGHT else _PARAMETER_RANGE)
 
 
 def active_terms(terms: Mapping[str, Mapping[str, Any]]) -> dict[str, Callable[[Situation], Tensor]]:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite
-from typing import Any, Self
+from typing import Any, Self, get_type_hints
 
 import torch
 
 from camp.common import checks
+from camp.common.bounds import Kick, Within, bounds_of, check_number
+from camp.envs.config import RandomizationConfig
 from camp.sim.base import Dynamics
-from camp.sim.delay import LONGEST_DELAY
 
 # Key of a condition -> field of Dynamics, filled with the value for every link, joint or axis.
 DYNAMICS_KEYS = {
@@ -24,9 +24,14 @@ DYNAMICS_KEYS = {
     "kd_scale": "kd_scale",
     "delay_s": "delay",
 }
-_SIGNED = ("payload_position_m",)
-_POSITIVE = ("link_mass_scale", "friction", "motor_strength_scale", "kp_scale", "kd_scale")
+_ABOUT_ONE = ("link_mass_scale", "motor_strength_scale", "kp_scale", "kd_scale")
 _DISTURBANCES = ("noise", "push_m_s", "loss")
+_DRAWN = get_type_hints(RandomizationConfig, include_extras=True)
+_BOUNDS = {key: bounds_of(_DRAWN[key]) for key in DYNAMICS_KEYS} | {
+    "noise": Within(0.0, 100.0, "times the suite's sensor noise"),
+    "push_m_s": bounds_of(Kick),
+    "loss": Within(0.0, 0.99, "a fraction; some targets must arrive"),
+}
 
 
 @dataclass(frozen=True)
@@ -71,22 +76,12 @@ def check_conditions(key: str, entries: Sequence[Any]) -> None:
 
 def _content(entry: dict[str, Any]) -> str:
     """What differs, as text; values that are nothing (a payload of 0 kg) left out."""
-    neutral = {"payload_mass_kg": 0.0, "noise": 0.0, "push_m_s": 0.0, "delay_s": 0.0, "loss": 0.0} | {
-        key: 1.0 for key in _POSITIVE if key != "friction"
-    }
+    nothing = {"payload_mass_kg": 0.0, "noise": 0.0, "push_m_s": 0.0, "delay_s": 0.0, "loss": 0.0}
+    neutral = nothing | dict.fromkeys(_ABOUT_ONE, 1.0)
     return str(sorted((k, float(v)) for k, v in entry.items() if k != "name" and float(v) != neutral.get(k)))
 
 
 def _check_value(key: str, what: str, value: Any) -> None:
     known = (*DYNAMICS_KEYS, *_DISTURBANCES)
     checks.require(what in known, key, value, f"unknown; choose from {', '.join(known)}")
-    number = isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
-    checks.require(number, key, value, "give a finite number")
-    if what in _POSITIVE:
-        checks.positive(key, value)
-    elif what == "loss":
-        checks.fraction_below_one(key, value)
-    elif what == "delay_s":
-        checks.require(0.0 <= value <= LONGEST_DELAY, key, value, f"choose 0 to {LONGEST_DELAY:g} s")
-    elif what not in _SIGNED:
-        checks.not_negative(key, value)
+    check_number(key, value, _BOUNDS[what])

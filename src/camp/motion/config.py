@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 from omegaconf import MISSING
 
 from camp.common import checks
+from camp.common.bounds import Within
 from camp.gaits.schedule import GAIT_PHASES
 from camp.gaits.skills import FREQUENCY_RANGE_HZ, LABELS, Skill, skill_set
+
+StrideFrequency = Annotated[float, Within(*FREQUENCY_RANGE_HZ, "Hz; where the gait metric counts strides")]
+Transitions = Annotated[int, Within(1, 10**8, "more than all clips of any data set hold")]
+Clips = Annotated[int, Within(1, 100_000, "weeks of generating")]
 
 
 @dataclass
@@ -18,11 +24,11 @@ class MotionConfig:
     folder: str | None = MISSING  # None: the clips shipped with the package
     skills: list[str] = MISSING  # gaits
     labels: str = MISSING  # gait: a skill is a gait; gait_frequency: a gait at one stride frequency
-    frequencies_hz: list[float] = MISSING  # of the clips that are used, within skills.FREQUENCY_TOLERANCE
+    frequencies_hz: list[StrideFrequency] = MISSING  # of the clips that are used, within skills.FREQUENCY_TOLERANCE
     mirrored: bool = MISSING  # also the left-right mirror images, perturbed clips' without their start
-    num_preloaded: int = MISSING  # transitions
+    num_preloaded: Transitions = MISSING  # transitions
     perturbed_folder: str | None = MISSING  # None: one below <output_dir>/motions
-    perturbed_clips: int = MISSING  # for imitation
+    perturbed_clips: Clips = MISSING  # for imitation
 
     def skill_set(self) -> tuple[Skill, ...]:
         """The skills in label order."""
@@ -39,11 +45,5 @@ class MotionConfig:
         checks.require(len(set(skills)) == len(skills), "motion.skills", skills, "name each gait once")
         checks.require(self.labels in LABELS, "motion.labels", self.labels, f"choose one of {', '.join(LABELS)}")
         frequencies = list(self.frequencies_hz)
-        low, high = FREQUENCY_RANGE_HZ
-        holds = len(frequencies) > 0 and all(low <= f <= high for f in frequencies)
-        remedy = f"list stride frequencies from {low:g} to {high:g} Hz, each once"
-        checks.require(
-            holds and len(set(frequencies)) == len(frequencies), "motion.frequencies_hz", frequencies, remedy
-        )
-        checks.count("motion.num_preloaded", self.num_preloaded)
-        checks.count("motion.perturbed_clips", self.perturbed_clips)
+        distinct = len(frequencies) > 0 and len(set(frequencies)) == len(frequencies)
+        checks.require(distinct, "motion.frequencies_hz", frequencies, "list stride frequencies, each once")

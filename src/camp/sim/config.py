@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 from omegaconf import MISSING
 
 from camp.common import checks
+from camp.common.bounds import Threads, Within
 from camp.sim.choice import AUTO, BACKENDS
+
+Robots = Annotated[int, Within(1, 2**20, "a million robots fill any machine's memory")]
+Timestep = Annotated[float, Within(1e-4, 0.1, "s; beyond it contacts are not solved, below nothing is gained")]
+Contacts = Annotated[int, Within(1, 10_000, "every part of a robot on the ground makes 25")]
+Rows = Annotated[int, Within(1, 100_000, "25 contacts and all joints make 124")]
 
 
 @dataclass
@@ -15,12 +22,12 @@ class SimConfig:
     """conf/sim: the simulator, once ``auto`` has been resolved."""
 
     backend: str = MISSING  # cpu or gpu
-    num_envs: int = MISSING  # on all ranks together
-    threads: int = MISSING  # of the simulation and of torch, per process; 0 = its share of the processors
-    physics_timestep_s: float = MISSING
+    num_envs: Robots = MISSING  # on all ranks together
+    threads: Threads = MISSING  # of the simulation and of torch, per process; 0 = its share of the processors
+    physics_timestep_s: Timestep = MISSING
     device: str = "cpu"  # of the gpu backend: cuda, or cpu for tests
-    contacts_per_robot: int | None = None  # that the gpu backend sets aside, on average over the robots
-    constraints_per_robot: int | None = None  # rows of the solver that the gpu backend sets aside for each robot
+    contacts_per_robot: Contacts | None = None  # that the gpu backend sets aside, on average over the robots
+    constraints_per_robot: Rows | None = None  # rows of the solver that the gpu backend sets aside for each robot
 
     def on_cpu(self) -> SimConfig:
         """The same physics by the cpu backend."""
@@ -31,13 +38,10 @@ class SimConfig:
         if self.backend == "gpu":
             checks.require(self.device in ("cuda", "cpu"), "sim.device", self.device, "choose cuda or cpu")
             for name in ("contacts_per_robot", "constraints_per_robot"):
-                checks.count(f"sim.{name}", getattr(self, name) or 0)
+                checks.require(getattr(self, name) is not None, f"sim.{name}", None, "give a number for sim=gpu")
         else:
             remedy = "the cpu backend runs on the CPU; choose sim=gpu, or device=cuda for the learner alone"
             checks.require(self.device == "cpu", "sim.device", self.device, remedy)
-        checks.count("sim.num_envs", self.num_envs)
-        checks.not_negative("sim.threads", self.threads)
-        checks.positive("sim.physics_timestep_s", self.physics_timestep_s)
 
 
 def check_backend(backend: str) -> None:
