@@ -64,7 +64,7 @@ def check_memory(config: Config) -> None:
         for name in key.split("."):
             value = getattr(value, name)
         raise ConfigError(
-            f"{key} = {value!r}: this takes about {needed[key] / 2**30:.1f} GiB of the {total / 2**30:.1f} GiB that the "
+            f"{key} = {value!r}: this takes about {needed[key] / 2**30:.1f} GiB of the {total / 2**30:.1f} GiB that "
             f"training needs, and {where} has {there / 2**30:.1f} GiB; choose less"
         )
 
