@@ -37,8 +37,9 @@ def dumped(folder: Path, config: Config, clips: list[Clip], speed: float = 0.0, 
     return path
 
 
-def test_a_replay_is_the_step_that_training_saw(tmp_path, config, clips):
-    config.env.randomization.enabled = True
+@pytest.mark.parametrize("delay_s", [[0.0, 0.0], [0.01, 0.03]])
+def test_a_replay_is_the_step_that_training_saw(tmp_path, config, clips, delay_s):
+    config.env.randomization.enabled, config.env.randomization.delay_s = True, delay_s
     dump = load_dump(dumped(tmp_path, config, clips, speed=3000.0))
     assert dump.about.env == 3 and dump.about.iteration == 12 and dump.about.step == 2
     done = simulate(dump)
@@ -84,8 +85,8 @@ def good(tmp_path_factory, clips) -> dict[str, np.ndarray]:
         ({"before.qpos": np.full(19, np.nan)}, "before.qpos is not finite"),
         ({"about": np.array("[]")}, "unreadable"),
         ({"about": np.array("{}")}, "unreadable"),
-        ({"before.ctrl": np.zeros(5)}, "its state does not fit this camp"),
-        ({"dynamics.friction": np.zeros(3)}, "its parameters do not fit"),
+        ({"before.ctrl": np.zeros(5)}, "ctrl does not fit this camp"),
+        ({"dynamics.friction": np.zeros(3)}, "friction does not fit this camp"),
     ],
 )
 def test_a_file_that_is_no_dump_is_one_line(good, tmp_path, capsys, change, message):

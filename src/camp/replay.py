@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +27,7 @@ from camp.robots.registry import find_robot
 from camp.robots.robot import Robot
 from camp.sim.base import Dynamics, InitialState, RobotState
 from camp.sim.cpu import CpuSimulator
+from camp.sim.delay import LONGEST_DELAY, DelayLine
 from camp.sim.divergence import impossible
 from camp.sim.motors import MotorLaw
 from camp.sim.rendering import RobotRenderer, write_video
@@ -44,7 +45,7 @@ class Replay:
     robot: Robot
     dynamics: Dynamics
     states: list[RobotState]  # S + 1: before, and after each physics step
-    target: Tensor  # (1, 12) rad, held during it
+    targets: list[Tensor]  # S of (1, 12) rad, that the motors hold during each
     timestep: float  # s
 
 
@@ -67,21 +68,19 @@ def simulate(dump: Dump) -> Replay:
     """The step again, on the CPU backend. Raises CampError for another robot, or a state that does not fit it."""
     about = dump.about
     robot = replace(find_robot(about.robot), pd_gain_p=tuple(about.kp) * NUM_LEGS, pd_gain_d=tuple(about.kd) * NUM_LEGS)
-    sim = CpuSimulator(robot, 1, about.physics_timestep_s, about.physics_timestep_s, threads=1)
+    timestep = about.physics_timestep_s
+    sim = CpuSimulator(robot, 1, timestep, timestep, threads=1)
     dynamics, before = _dynamics(dump, sim.device), _batch(dump.part("before"))
-    sim.prepare(dynamics)
+    sim.prepare(replace(dynamics, delay=torch.zeros(1)))  # the late targets are sent by hand
     sim.reset(torch.ones(1, dtype=torch.bool), _initial(before["qpos"].float(), before["qvel"].float()))
-    own = sim.state_dict()
-    fitting = {name: before[name].to(value.dtype) for name, value in own.items() if name in before}
-    if any(value.shape != own[name].shape for name, value in fitting.items()):
-        raise CheckpointError(f"dump of robot {about.robot}: its state does not fit this camp; use the run's")
-    sim.load_state_dict(own | fitting)
-    target = torch.from_numpy(dump.arrays["joint_target"]).float()[None]
+    own = {name: value for name, value in sim.state_dict().items() if isinstance(value, Tensor)}
+    sim.load_state_dict(own | _fitting(before, own))
+    targets = _targets(dump, before)
     states = [sim.state]
-    for _ in range(round(about.control_period_s / about.physics_timestep_s)):
+    for target in targets:
         sim.step(target)
         states.append(sim.state)
-    return Replay(robot, dynamics, states, target, about.physics_timestep_s)
+    return Replay(robot, dynamics, states, targets, timestep)
 
 
 def report(dump: Dump, done: Replay) -> list[str]:
@@ -116,10 +115,10 @@ _HEADER = """\
 
 
 def _row(done: Replay, number: int) -> str:
-    state = done.states[number]
+    state, target = done.states[number], done.targets[max(number - 1, 0)]
     seen = measure(done.robot, state)
     tilt = float(torch.acos((-seen.gravity[0, 2]).clamp(-1.0, 1.0)))
-    torque = MotorLaw.of(done.robot, done.dynamics).torque(done.target, state.joint_position, state.joint_velocity)
+    torque = MotorLaw.of(done.robot, done.dynamics).torque(target, state.joint_position, state.joint_velocity)
     joint, speed = _largest(state.joint_velocity[0])
     numbers = (
         f"{1e3 * number * done.timestep:5.1f}",
@@ -172,13 +171,32 @@ def _short(value: float, width: int) -> str:
 
 def _dynamics(dump: Dump, device: torch.device) -> Dynamics:
     """The robot's physical parameters; those that a dump of an earlier camp lacks are nominal."""
-    found = _batch(dump.part("dynamics"))
     nominal = Dynamics.nominal(1, 0.8, device)
-    known = {field.name for field in fields(Dynamics)}
-    fitting = {name: value for name, value in found.items() if name in known}
-    if any(value.shape != getattr(nominal, name).shape for name, value in fitting.items()):
-        raise CheckpointError(f"dump of robot {dump.about.robot}: its parameters do not fit this camp; use the run's")
-    return replace(nominal, **{name: value.to(getattr(nominal, name).dtype) for name, value in fitting.items()})
+    return replace(nominal, **_fitting(_batch(dump.part("dynamics")), nominal.tensors()))
+
+
+def _targets(dump: Dump, before: dict[str, Tensor]) -> list[Tensor]:
+    """What the motors hold in each physics step, (1, 12) rad: the step's target, where it is late one before."""
+    period, timestep = dump.about.control_period_s, dump.about.physics_timestep_s
+    line = DelayLine(1, period, timestep, torch.device("cpu"))
+    found = {name.removeprefix("delays."): value for name, value in before.items() if name.startswith("delays.")}
+    if "sent" in found:
+        found["sent"] = found["sent"].transpose(0, 1)
+    if "late" in found:  # no more than a line can hold, whatever a damaged file says
+        found["late"] = found["late"].clamp(0, round(LONGEST_DELAY / timestep))
+    own = line.state_dict()
+    line.load_state_dict(own | _fitting(found, own))
+    line.send(torch.from_numpy(dump.arrays["joint_target"]).float()[None])
+    return [line.arrived(step) for step in range(round(period / timestep))]
+
+
+def _fitting(found: dict[str, Tensor], own: dict[str, Tensor]) -> dict[str, Tensor]:
+    """Of what was found the part that an own state has, in its types. Raises CheckpointError for other shapes."""
+    fitting = {name: found[name].to(value.dtype) for name, value in own.items() if name in found}
+    wrong = [name for name, value in fitting.items() if value.shape != own[name].shape]
+    if wrong:
+        raise CheckpointError(f"dump: {wrong[0]} does not fit this camp; use the camp of the run")
+    return fitting
 
 
 def _batch(arrays: dict[str, np.ndarray]) -> dict[str, Tensor]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import torch
@@ -23,6 +24,13 @@ def judged(robot: Robot, state: RobotState, useless: Tensor, instead: RobotState
     """
     mask = diverged(robot, state) | useless
     return state.replaced(mask, instead), mask
+
+
+def per_robot(state: Mapping[str, Any]) -> dict[str, Tensor]:
+    """A simulator's `state_dict` as tensors (N, ...), its delayed targets under ``delays.<name>``."""
+    flat: dict[str, Tensor] = {name: value for name, value in state.items() if isinstance(value, Tensor)}
+    delays = state["delays"]
+    return flat | {"delays.sent": delays["sent"].transpose(0, 1), "delays.late": delays["late"]}
 
 
 class FirstCase:

@@ -18,7 +18,7 @@ from camp.envs import observations
 from camp.envs.actions import as_action, usable
 from camp.envs.commands import sample_commands, sample_skills, uniform
 from camp.envs.config import EXTERNAL, EnvConfig
-from camp.envs.divergence import FirstCase, judged
+from camp.envs.divergence import FirstCase, judged, per_robot
 from camp.envs.measurement import Measurement, measure
 from camp.envs.randomization import randomization_at, sample_dynamics
 from camp.envs.rewards import active_terms, averaged, mix_rewards, task_rewards
@@ -150,7 +150,7 @@ class QuadrupedEnv(VectorEnv):
         self._before = Before(self.last_action, self.amp_state[:, _JOINT_VELOCITY])
         self.last_action = action
         self._push()
-        before, target = self.sim.state_dict(), self.default_pose + self.action_scale * action
+        before, target = per_robot(self.sim.state_dict()), self.default_pose + self.action_scale * action
         self.sim.step(target)
         self.step_count = self.step_count + 1
 
