@@ -53,6 +53,16 @@ def test_constant_input_stays_finite_and_outliers_are_clipped():
     assert y.tolist() == [[0.0, 5.0], [5.0, -5.0]]
 
 
+@pytest.mark.parametrize("huge", [1e8, float("nan"), float("inf"), -1e5])
+def test_an_impossible_row_does_not_move_the_statistics(huge: float):
+    rows = 5.0 * torch.randn(1000, 3, generator=rng())
+    clean, fed = RunningNormalizer(3), RunningNormalizer(3)
+    assert clean.update(rows).item() == 0
+    assert fed.update(torch.cat([rows, torch.tensor([[0.0, huge, 0.0]])])).item() == 1
+    assert torch.equal(fed.mean, clean.mean) and torch.equal(fed.variance, clean.variance)
+    assert fed.update(torch.full((4, 3), huge)).item() == 4 and torch.equal(fed.std, clean.std)
+
+
 def test_no_rows_change_nothing():
     normalizer = RunningNormalizer(2)
     normalizer.update(torch.zeros(0, 2))

@@ -266,6 +266,50 @@ def test_a_diverged_simulation_ends_its_episode_and_stays_finite(config, clips):
     assert torch.isfinite(env.advance(ZERO).observation).all()
 
 
+@pytest.mark.parametrize("speed", [1e8, 1e200, 1000.0])
+def test_an_impossible_state_ends_its_episode_without_reward_and_reaches_nothing(config, clips, speed):
+    config.env.reward.terms["joint_acceleration"] = {"weight": -1e-3}
+    env, other = make(config, clips), make(config, clips)
+    env.sim._rows["qvel"][3, 8] = speed  # pyright: ignore[reportAttributeAccessIssue]
+    step, healthy = env.advance(ZERO), other.advance(ZERO)
+    assert step.diverged.tolist() == step.terminated.tolist() == [row == 3 for row in range(8)]
+    assert step.task_reward[3] == 0.0 and env.num_diverged == 1 and not healthy.diverged.any()
+    for name in ("observation", "final_observation", "privileged", "final_privileged", "transition", "velocity"):
+        assert getattr(step, name).abs().max() < 100.0, name
+    others = torch.arange(8) != 3
+    assert torch.equal(step.final_observation[others], healthy.final_observation[others])
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), 1e30, -2e3])
+def test_an_action_of_no_use_counts_as_diverged(config, clips, value, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    env = make(config, clips)
+    action = torch.zeros(8, 12)
+    action[5, 2] = value
+    step = env.advance(action)
+    assert step.diverged.nonzero().tolist() == [[5]] and step.terminated[5] and step.task_reward[5] == 0.0
+    assert torch.isfinite(step.observation).all() and torch.isfinite(step.final_observation).all()
+    assert not env.advance(ZERO).diverged.any()
+    assert list(tmp_path.iterdir()) == []  # no MUJOCO_LOG.TXT
+
+
+@pytest.mark.parametrize(
+    "action", [torch.zeros(8, 11), torch.zeros(12), torch.zeros(7, 12), torch.zeros(8, 12).int(), "forward", None]
+)
+def test_an_action_of_another_shape_or_type_changes_nothing(config, clips, action):
+    env, other = make(config, clips), make(config, clips)
+    with pytest.raises(ValueError, match=r"action of .*: give floating-point numbers of shape \(8, 12\)"):
+        env.step(action)
+    assert torch.equal(env.advance(ZERO).observation, other.advance(ZERO).observation) and env.num_steps == 1
+
+
+def test_a_diverging_simulation_leaves_no_log(config, clips, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    env = make(config, clips)
+    env.sim._rows["qvel"][:] = np.nan  # pyright: ignore[reportAttributeAccessIssue]
+    assert env.advance(ZERO).diverged.all() and list(tmp_path.iterdir()) == []
+
+
 def test_starts_are_drawn_anew_on_a_clock(config, clips):
     config.env.randomization.enabled, config.env.initialization.reference_fraction = True, 1.0
     config.env.episode_s = STARTS_PERIOD_S

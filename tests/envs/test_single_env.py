@@ -40,6 +40,27 @@ def test_same_seed_same_episode():
     env.close()
 
 
+def test_a_bad_action_is_refused_before_anything_changes():
+    env, other = gymnasium.make("camp/Go2-v0"), gymnasium.make("camp/Go2-v0")
+    for one in (env, other):
+        one.reset(seed=3)
+    zero = np.zeros(12, dtype=np.float32)
+    for action in (
+        np.zeros(11, np.float32),
+        np.zeros((1, 12), np.float32),
+        np.zeros(12, int),
+        np.full(12, np.nan),
+        "x",
+    ):
+        with pytest.raises(ValueError, match="action"):
+            env.unwrapped.step(action)
+    np.testing.assert_array_equal(env.step(zero)[0], other.step(zero)[0])
+    observation, reward, terminated, _, info = env.step(np.full(12, 1e30, np.float32))
+    assert np.isfinite(observation).all() and reward == 0.0 and terminated and info["diverged"]
+    env.close()
+    other.close()
+
+
 def test_renders_a_picture_of_the_robot():
     env = gymnasium.make("camp/Go2-v0", render_mode="rgb_array")
     env.reset(seed=0)
