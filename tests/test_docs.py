@@ -154,7 +154,7 @@ def test_commands_of_the_bare_loop_are_understood(command, tmp_path, monkeypatch
     assert "policy.onnx: not found" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command", shown(r"python -m (camp\.(export|ship)|analysis)"))
+@pytest.mark.parametrize("command", shown(r"python -m (camp\.(export|ship|replay)|analysis)"))
 def test_keys_of_small_commands_are_in_their_usage(command):
     module, *arguments = shlex.split(command)[2:]
     spec = find_spec(f"{module}.__main__" if module == "analysis" else module)

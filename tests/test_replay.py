@@ -10,6 +10,7 @@ import torch
 
 from camp.build import build_env
 from camp.cli.key_values import run_command
+from camp.common.errors import CampError
 from camp.config.compose import compose_config
 from camp.config.schema import Config
 from camp.envs.quadruped import QuadrupedEnv
@@ -48,6 +49,15 @@ def test_a_replay_is_the_step_that_training_saw(tmp_path, config, clips, delay_s
     lines = "\n".join(report(dump, done)).splitlines()
     assert all(len(line) <= 80 for line in lines) and lines[-1] == "training saw the same"
     assert "impossible from 0.0 ms on:" in lines and any("FL_thigh_joint speed = " in line for line in lines)
+
+
+def test_a_replay_is_filmed(tmp_path, config, clips):
+    path = dumped(tmp_path, config, clips, speed=3000.0)
+    try:
+        replay([str(path), f"video={tmp_path / 'step.mp4'}"])
+    except CampError as error:
+        pytest.skip(str(error))
+    assert (tmp_path / "step.mp4").stat().st_size > 1000
 
 
 def test_a_replay_tells_a_bad_action(tmp_path, config, clips, capsys):

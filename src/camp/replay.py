@@ -35,6 +35,7 @@ from camp.training.dumps import Dump, load_dump
 
 SHOWN = 4  # impossible numbers of one state
 FRAMES, FRAMES_PER_S = 3, 30.0  # of a physics step in the video
+FURTHEST = 100.0  # m or rad of a pose that is drawn
 AGREEMENT = 1e-4  # rad, m, rad/s or m/s, between what training saw and what is simulated here
 
 
@@ -208,12 +209,13 @@ def _initial(qpos: Tensor, qvel: Tensor) -> InitialState:
 
 
 def _film(done: Replay, path: Path) -> None:
-    """Write the step as an mp4, up to the first state that cannot be drawn. Raises CampError without OpenGL."""
+    """Write the step as an mp4, without the states that cannot be drawn. Raises CampError without OpenGL."""
     renderer = RobotRenderer(done.robot.load_model())
-    poses = [state.qpos()[0].numpy() for state in done.states if not impossible(done.robot, state)]
+    every = [state.qpos()[0].numpy() for state in done.states]
+    poses = [pose for pose in every if np.isfinite(pose).all() and np.abs(pose).max() < FURTHEST]
     try:
         if not poses:
-            raise ConfigError(f"video {path}: the state before the step cannot be drawn; leave video= out")
+            raise ConfigError(f"video {path}: no state of the step can be drawn; leave video= out")
         write_video(path, (renderer.frame(pose) for pose in poses for _ in range(FRAMES)), FRAMES_PER_S)
     except RuntimeError as error:  # imageio reports a missing ffmpeg so
         raise ConfigError(f"video {path}: {' '.join(str(error).split())}; leave video= out") from error
