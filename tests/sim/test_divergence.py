@@ -7,6 +7,7 @@ import torch
 
 from camp.robots.go2 import GO2
 from camp.sim.base import InitialState, RobotState
+from camp.sim.cpu import CpuSimulator
 from camp.sim.divergence import diverged, impossible, numbers, quantities
 
 
@@ -55,8 +56,18 @@ def test_what_overflows_float32_is_judged_as_used():
     assert diverged(GO2, state).tolist() == [False, True, False]
 
 
+def test_random_targets_stay_possible():
+    sim = CpuSimulator(GO2, 32, control_period=0.02, physics_timestep=0.005, threads=1)
+    generator = torch.Generator().manual_seed(0)
+    for step in range(60):
+        if step % 3 == 0:
+            target = 125.0 * torch.randn(32, 12, generator=generator)
+        sim.step(target)
+        assert not diverged(GO2, sim.state).any()
+
+
 def test_a_violent_fall_is_possible():
-    """The largest values that random targets of up to 100 rad led to (`camp.sim.divergence`)."""
+    """The largest values that random targets led to (`camp.sim.divergence`)."""
     state = standing()
     state.base_position[1, 2], state.base_linear_velocity[1, 2], state.base_angular_velocity[1, 0] = 1.2, 4.9, 69.0
     state.joint_velocity[1] = torch.tensor([125.0, 143.0, 160.0] * 4)
