@@ -10,6 +10,7 @@ import numpy as np
 from camp.build import build_env, expert_clips
 from camp.config.compose import compose_config
 from camp.envs.actions import as_action
+from camp.robots.quadruped import NUM_JOINTS
 from camp.sim.rendering import RobotRenderer
 
 
@@ -48,7 +49,7 @@ class Go2Env(gym.Env):
         ``info["diverged"]`` says so. Raises ValueError, before anything changes, for an action of another type or
         shape, or one that is not finite.
         """
-        wanted = as_action(action, self.action_space.shape, self.batched.sim.device)
+        wanted = as_action(action, (NUM_JOINTS,), self.batched.sim.device)
         if not wanted.isfinite().all():
             raise ValueError(f"action {action!r}: give finite numbers")
         result = self.batched.advance(wanted[None])

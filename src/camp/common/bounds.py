@@ -45,17 +45,15 @@ def check_numbers(key: str, config: Any) -> None:
             check_numbers(path, value)
         elif (within := _declared(hint)) is not None and not (value is None and type(None) in get_args(hint)):
             listed, whole = get_origin(hint) is list, _number_type(hint) is int
-            for one in value if listed else [value]:
-                if not _fits(one, within, whole):
-                    kind = "whole numbers" if listed and whole else "numbers" if listed else _one(whole)
-                    verb = "list" if listed else "choose"
-                    raise ConfigError(f"{path} = {value!r}: {verb} {kind} {_span(within)}")
+            if not all(_fits(one, within, whole) for one in (value if listed and isinstance(value, list) else [value])):
+                wanted = f"list {'whole ' * whole}numbers" if listed else f"choose a {'whole ' * whole}number"
+                raise ConfigError(f"{path} = {value!r}: {wanted} {_span(within)}")
 
 
 def check_number(key: str, value: Any, within: Within) -> None:
     """The same for a number that stands in no dataclass."""
     if not _fits(value, within, whole=False):
-        raise ConfigError(f"{key} = {value!r}: choose {_one(False)} {_span(within)}")
+        raise ConfigError(f"{key} = {value!r}: choose a number {_span(within)}")
 
 
 def bounds_of(hint: Any) -> Within:
@@ -81,10 +79,6 @@ def _span(within: Within) -> str:
 def _fits(value: Any, within: Within, whole: bool) -> bool:
     # By type: True is an int, too. No comparison with NaN holds.
     return type(value) in ((int,) if whole else (int, float)) and within.low <= value <= within.high
-
-
-def _one(whole: bool) -> str:
-    return "a whole number" if whole else "a number"
 
 
 def _number_type(hint: Any) -> type | None:

@@ -1,8 +1,8 @@
 """What a robot can physically do: a state beyond it is a simulation that diverged, whatever the backend.
 
 The bounds are far outside of anything that a healthy simulation shows. Random joint targets with a standard deviation
-of up to 125 rad, under the whole of Table I, with pushes and without an end of episodes, reached 4.9 m/s, 69 rad/s of the
-trunk, 160 rad/s of a joint, 1.4 rad beyond a joint's stop, a height of 1.2 m and 6.5 kN (256 Go2s, 18 s each).
+of up to 125 rad, under the whole of Table I, with pushes and without an end of episodes, reached 4.9 m/s, 69 rad/s of
+the trunk, 160 rad/s of a joint, 1.4 rad beyond a joint's stop, a height of 1.2 m and 6.5 kN (256 Go2s, 18 s each).
 """
 
 from __future__ import annotations

@@ -9,6 +9,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -88,10 +89,11 @@ def save_dump(run: Path, iteration: int, case: Mapping[str, np.ndarray], config:
         physics_timestep_s=config.sim.physics_timestep_s,
         backend=config.sim.backend,
     )
+    arrays: dict[str, Any] = {_ABOUT: np.array(json.dumps(asdict(about))), **case}
     path = folder / f"iteration_{iteration:08d}_{suffix}"
     try:
         with whole_file(path) as file:
-            np.savez(file, **{_ABOUT: np.array(json.dumps(asdict(about)))}, **dict(case))
+            np.savez(file, **arrays)
     except OSError as error:
         return [f"robot {about.env} diverged; its state could not be kept ({path}: {error.strerror or error})"]
     return [f"robot {about.env} diverged; see what happened: {command('camp.replay', str(path))}"]
