@@ -82,11 +82,11 @@ def diverged(robot: Robot, state: RobotState) -> Tensor:
 
     Judges the float32 values that observations, rewards and discriminators are computed from.
     """
-    values, (low, high) = numbers(state), _bounds(robot)
-    # Negated, since no comparison with NaN holds.
-    possible = ((values >= constant(low, values)) & (values <= constant(high, values))).all(dim=1)
-    rotation = (state.base_quaternion.norm(dim=1) - 1.0).abs() <= QUATERNION_ERROR
-    return ~(possible & rotation)
+    values, (middle, scale) = numbers(state), _bounds(robot)
+    # How far from the middle, 1 at a bound; the largest of a row with NaN is NaN, with which no comparison holds.
+    furthest = ((values - constant(middle, values)).abs() * constant(scale, values)).amax(dim=1)
+    rotation = (state.base_quaternion.norm(dim=1) - 1.0).abs()
+    return ~((furthest <= 1.0) & (rotation <= QUATERNION_ERROR))
 
 
 def impossible(robot: Robot, state: RobotState) -> list[str]:
@@ -102,4 +102,6 @@ def impossible(robot: Robot, state: RobotState) -> list[str]:
 
 @cache
 def _bounds(robot: Robot) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    return tuple(one.low for one in quantities(robot)), tuple(one.high for one in quantities(robot))
+    """The middle of each number's bounds, and 1 / half of their distance."""
+    bounds = quantities(robot)
+    return tuple((one.low + one.high) / 2.0 for one in bounds), tuple(2.0 / (one.high - one.low) for one in bounds)
