@@ -24,12 +24,12 @@ from pathlib import Path
 from typing import NoReturn
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn, track
 
 from camp.cli.guard import guarded
 from camp.common.errors import ClipError, ConfigError
 from camp.common.files import folder_lock
 from camp.common.paths import shipped_motions
+from camp.common.progress import track
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.consistency import ClipCheck
 from camp.motion.clips.store import load_clip
@@ -89,14 +89,12 @@ def _fitting(requests: Sequence[ClipRequest], pattern: str) -> list[ClipRequest]
 def generate(robot: Robot, requests: Sequence[ClipRequest], options: argparse.Namespace) -> int:
     """Generate clips with a progress bar, after other processes that do so there; returns how many failed."""
     count = {"made": 0, "kept": 0, "failed": 0}
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with folder_lock(options.folder), Progress(*columns) as progress:
-        task = progress.add_task("expert clips", total=len(requests))
-        for outcome in generate_dataset(robot, requests, options.folder, options.workers, options.overwrite):
+    with folder_lock(options.folder):
+        outcomes = generate_dataset(robot, requests, options.folder, options.workers, options.overwrite)
+        for outcome in track(outcomes, "expert clips", len(requests)):
             count[outcome.status] += 1
             if outcome.status == "failed":
-                progress.console.print(f"left out: {outcome.request.name}: {outcome.message}", soft_wrap=True)
-            progress.update(task, advance=1, description=outcome.request.name)
+                print(f"left out: {outcome.request.name}: {outcome.message}", flush=True)
     size = sum(path.stat().st_size for path in options.folder.glob("*.npz")) / 1e6
     print(f"{options.folder}: " + ", ".join(f"{n} {status}" for status, n in count.items()) + f", {size:.1f} MB")
     return count["failed"]
@@ -139,9 +137,7 @@ def card(robot: Robot, folder: Path) -> int:
 def judge(robot: Robot, folder: Path) -> Judged:
     """Check every clip of a folder; what is wrong is printed, with its likely cause."""
     clips, results, bad = {}, {}, 0
-    errors = Console(stderr=True)
-    paths = clip_paths(folder)
-    for path in track(paths, "judging clips", console=errors, transient=True, disable=not errors.is_terminal):
+    for path in track(clip_paths(folder), "judging clips"):
         try:
             clip = load_clip(path)
         except ClipError as error:

@@ -10,10 +10,11 @@ from omegaconf import DictConfig
 from camp.build import load_run
 from camp.cli.hydra_main import run_hydra
 from camp.common.files import make_folder
+from camp.common.progress import track
 from camp.evaluation.config import resolve_evaluation
 from camp.evaluation.evaluator import Evaluator
 from camp.evaluation.films import film
-from camp.evaluation.output import expert_motions, print_report, step_counter, write_judgement
+from camp.evaluation.output import expert_motions, print_report, write_judgement
 from camp.evaluation.record import log_evaluation
 from camp.evaluation.subjects import subject_of_run
 from camp.runs.folder import ARRAYS, REPORT, VIDEOS, results_folder
@@ -27,7 +28,7 @@ def evaluate(composed: DictConfig) -> Path:
     if evaluation.video:
         make_folder(folder / VIDEOS)
     subject = subject_of_run(run, Path(evaluation.run), folder.resolve().name, evaluation.baselines)
-    judgement = Evaluator(evaluation, expert_motions(), step_counter()).judge(subject)
+    judgement = Evaluator(evaluation, expert_motions(), track).judge(subject)
     write_judgement(folder, judgement)
     print_report(judgement.report)
     print(f"wrote {folder / REPORT} and {folder / ARRAYS}", flush=True)

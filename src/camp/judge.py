@@ -23,6 +23,7 @@ from camp.build import load_run
 from camp.cli.key_values import key_values, run_command
 from camp.common.errors import CampError, ConfigError
 from camp.common.files import make_folder, write_text
+from camp.common.progress import track
 from camp.deployment.contract import contract_inside
 from camp.evaluation.composing import compose_evaluation
 from camp.evaluation.contact_log import read_log
@@ -31,7 +32,7 @@ from camp.evaluation.contract import read_contract
 from camp.evaluation.evaluator import Evaluator, Subject
 from camp.evaluation.expert import judge_expert
 from camp.evaluation.labelled import answers_table, labelled_answers
-from camp.evaluation.output import TABLE_WIDTH, expert_motions, print_report, step_counter
+from camp.evaluation.output import TABLE_WIDTH, expert_motions, print_report
 from camp.evaluation.policies import OnnxAnswer
 from camp.evaluation.report import write_report
 from camp.evaluation.subjects import subject_of_onnx, subject_of_run
@@ -69,7 +70,7 @@ def _judge_policy(kind: str, given: dict[str, str]) -> None:
     overrides = [f"suite={given.get('suite', 'full')}", f"threads={given.get('threads', 0)}"]
     evaluation, output = compose_evaluation(overrides), _output(given)
     subject = _subject(kind, given, evaluation.baselines)
-    judgement = Evaluator(evaluation, expert_motions(), step_counter()).judge(subject)
+    judgement = Evaluator(evaluation, expert_motions(), track).judge(subject)
     print_report(judgement.report)
     path = output / f"{_file_name(subject.name)}.json"
     write_report(path, judgement.report)

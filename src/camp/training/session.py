@@ -14,6 +14,7 @@ from camp.common import distributed
 from camp.common.commands import command
 from camp.common.errors import CheckpointError, ConfigError
 from camp.common.files import folder_lock, write_text
+from camp.common.progress import phase
 from camp.common.seeding import seed_everything
 from camp.common.threads import set_threads
 from camp.config.resolve import as_yaml, load_run_config
@@ -87,7 +88,8 @@ def resume(folder: Path, overrides: Sequence[str]) -> Path:
 def _training(config: Config) -> Iterator[Training]:
     set_threads(config.sim.threads)
     seed_everything(config.seed)
-    training = build_training(config)
+    with phase("reading clips and building the robots") if distributed.is_first() else nullcontext():
+        training = build_training(config)
     try:
         yield training
     finally:

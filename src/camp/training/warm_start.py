@@ -9,13 +9,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from rich.progress import Progress, track
 
 from camp.algo.imitation import ImitationLoss, imitate
 from camp.build import Training
 from camp.common import distributed
 from camp.common.errors import ClipError
 from camp.common.files import folder_lock
+from camp.common.progress import track
 from camp.common.seeding import generator
 from camp.config.schema import Config
 from camp.gaits import schedule
@@ -49,7 +49,7 @@ def warm_start(training: Training, config: Config) -> list[dict[str, float]]:
         return []
     data = imitation_data(perturbed_clips(config), config, training.device)
     steps = imitate(training.ppo.actor, data, imitation, generator(config.seed, "imitation", training.device))
-    metrics = list(track(steps, "imitating the expert", total=imitation.epochs))
+    metrics = list(track(steps, "imitating the expert, epochs", imitation.epochs))
     print(f"imitation: {len(data.observation):,} pairs, loss {metrics[-1]['imitation/loss']:.4f}", flush=True)
     return metrics
 
@@ -100,12 +100,11 @@ def _generate_missing(robot: Robot, requests: list[ClipRequest], folder: Path) -
     wanted = [request for request in requests if request.name not in failed]
     if all((folder / f"{request.name}.npz").is_file() for request in wanted):
         return
-    with Progress() as progress, note.open("a") as file:
-        task = progress.add_task(f"perturbed clips in {folder}", total=len(wanted))
-        for outcome in generate_dataset(robot, wanted, folder, workers=os.cpu_count() or 1):
+    outcomes = generate_dataset(robot, wanted, folder, workers=os.cpu_count() or 1)
+    with note.open("a") as file:
+        for outcome in track(outcomes, f"generating perturbed clips in {folder}", len(wanted)):
             if outcome.status == "failed":
                 file.write(f"{outcome.request.name}\n")
-            progress.advance(task)
 
 
 def _under_way(clip: Clip) -> Clip:
