@@ -21,7 +21,7 @@ from camp.runs.folder import ARRAYS, REPORT, VIDEOS, results_folder
 
 
 def evaluate(composed: DictConfig) -> Path:
-    """Evaluator the run's policy, beside three that do not walk; print tables, write eval.json, eval.npz and videos."""
+    """Judge the run's policy, beside three that do not walk; print tables, write eval.json, eval.npz and videos."""
     evaluation = resolve_evaluation(composed)
     run = load_run(Path(evaluation.run))
     folder = make_folder(results_folder(Path(evaluation.run)))
@@ -30,7 +30,7 @@ def evaluate(composed: DictConfig) -> Path:
     subject = subject_of_run(run, Path(evaluation.run), folder.resolve().name, evaluation.baselines)
     judgement = Evaluator(evaluation, expert_motions(), track).judge(subject)
     write_judgement(folder, judgement)
-    print_report(judgement.report)
+    print_report(judgement.report, folder / REPORT)
     print(f"wrote {folder / REPORT} and {folder / ARRAYS}", flush=True)
     videos = film(judgement, run.skills, evaluation, folder / VIDEOS) if evaluation.video else {}
     log_evaluation(run, folder, judgement.report, videos)

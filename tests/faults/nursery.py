@@ -64,7 +64,7 @@ class Job:
     @property
     def output(self) -> str:
         """All that it has printed."""
-        return self.log.read_text(encoding="utf-8")
+        return self.log.read_text(encoding="utf-8") if self.log.exists() else ""
 
     def ended(self) -> bool:
         """Whether it has."""

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 
+from camp.common.commands import command
 from camp.common.errors import ConfigError
 from camp.common.files import whole_pair
 from camp.common.paths import shipped_motions
 from camp.common.progress import phase
+from camp.evaluation.cells import table_console
 from camp.evaluation.evaluator import Judgement
 from camp.evaluation.report import Report, as_json
 from camp.evaluation.robot import ROBOT
@@ -21,8 +21,6 @@ from camp.motion.clips.clip import Clip
 from camp.motion.clips.store import load_clips
 from camp.runs.folder import ARRAYS, REPORT
 
-TABLE_WIDTH = 150  # characters, where the output is not a terminal
-
 
 def expert_motions() -> list[Clip]:
     """The shipped clips, which every policy is judged beside. Raises ClipError."""
@@ -30,10 +28,12 @@ def expert_motions() -> list[Clip]:
         return load_clips(ROBOT, shipped_motions(ROBOT.name), tuple(GAIT_PHASES))
 
 
-def print_report(report: Report) -> None:
-    """All tables."""
-    console = Console() if sys.stdout.isatty() else Console(width=TABLE_WIDTH)
-    console.print(printed(report))
+def print_report(report: Report, path: Path, everything: bool = False) -> None:
+    """The verdict and the tables that it is about, and how to see the others of the report in ``path``."""
+    console = table_console()
+    console.print(printed(report, console.width, everything))
+    if not everything:
+        print(f"all tables: {command('camp.judge', report=path)}", flush=True)
 
 
 def write_judgement(folder: Path, judgement: Judgement) -> None:

@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from camp.common.archive import read_arrays
 from camp.common.errors import ClipError
 from camp.common.files import whole_file
 from camp.common.foreign import foreign_file
 from camp.gaits.skills import Skill
-from camp.motion.clips.archive import read_arrays
 from camp.motion.clips.clip import SPLITS, TRAINING_SPLITS, Clip
 from camp.motion.clips.consistency import guard_checks
 from camp.motion.clips.layout import COUNTS, FIELDS, NAMES, find_problem, split_of
