@@ -26,6 +26,7 @@ from typing import NoReturn
 from rich.console import Console
 
 from camp.cli.guard import guarded
+from camp.common.commands import command
 from camp.common.errors import ClipError, ConfigError
 from camp.common.files import folder_lock
 from camp.common.paths import shipped_motions
@@ -44,6 +45,7 @@ from camp.motion.exchange.cli import add_exchange, run_exchange
 from camp.robots.registry import DEFAULT_ROBOT, ROBOTS, find_robot
 from camp.robots.robot import Robot
 
+MODULE = "camp.dataset"
 MOST_CLIPS = 100_000  # of one seed: what tells the files' names apart
 MOST_WORKERS = 1024  # each takes a process and its memory
 SHIPPED = "the robot's shipped clips"  # what help texts call the usual folder
@@ -128,7 +130,7 @@ def card(robot: Robot, folder: Path) -> int:
     """Write the folder's card; returns the exit code. Raises ClipError where no clip can be read."""
     judged = judge(robot, folder)
     if not judged.clips:
-        raise ClipError(f"no clip in {folder} can be read; see why with `python -m camp.dataset validate {folder}`")
+        raise ClipError(f"no clip in {folder} can be read; see why with `{command(MODULE, 'validate', str(folder))}`")
     size = sum(path.stat().st_size for path in clip_paths(folder))
     print(write_card(folder, dataset_card(robot, judged.clips, judged.results, size)))
     return int(judged.bad > 0)
@@ -203,8 +205,8 @@ def _parser() -> argparse.ArgumentParser:
     _add_generation(perturbed, "outputs/motions/perturbed_<robot>")
     perturbed.set_defaults(command="perturbed")
     add_exchange(commands)
-    for command in commands.choices.values():
-        _add_robot(command, argparse.SUPPRESS)  # what stands before the command counts too
+    for single in commands.choices.values():
+        _add_robot(single, argparse.SUPPRESS)  # what stands before the command counts too
     return parser
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from omegaconf import DictConfig
 
 from camp.build import load_run
 from camp.cli.hydra_main import run_hydra
+from camp.common.commands import command
 from camp.common.files import make_folder
 from camp.common.progress import track
 from camp.evaluation.config import resolve_evaluation
@@ -37,5 +39,11 @@ def evaluate(composed: DictConfig) -> Path:
     return folder
 
 
+def compare(folders: Sequence[Path]) -> None:
+    """Say how the runs of a sweep are put side by side."""
+    if len(folders) > 1:
+        print(f"compare these {len(folders)} runs: {command('analysis.seeds', *map(str, folders))}", flush=True)
+
+
 if __name__ == "__main__":
-    sys.exit(run_hydra("evaluation/evaluate", evaluate))
+    sys.exit(run_hydra("evaluation/evaluate", evaluate, after_sweep=compare))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from camp.common.commands import command
 from camp.common.errors import CheckpointError
 from camp.common.foreign import foreign_file, read_json
 from camp.config.schema import Config
@@ -165,4 +165,4 @@ def _rounded(value: Any) -> Any:
 def _command(argv: Sequence[str]) -> str:
     """The training command as it is typed, without arguments that only name places or the logger."""
     kept = [argument for argument in argv[1:] if not argument.lstrip("+").startswith(_PLACES)]
-    return shlex.join(["python", "-m", "camp.train", *kept])
+    return command("camp.train", *kept)

@@ -16,7 +16,7 @@ from camp.evaluation.report import Estimate
 
 Part = TypeVar("Part")
 TABLE_WIDTH = 80  # characters, where the output is not a terminal
-MARGIN = 2  # characters of a column besides its cells
+MARGIN = 2  # characters of a column besides its cells: a blank and the gap to the next
 
 
 def table_console() -> Console:
@@ -28,7 +28,7 @@ def fitted(whole: Table, width: int) -> list[Table]:
     """A table as one or more of at most ``width`` characters, each with its columns of text and some of the figures."""
     text = [column for column in whole.columns if column.justify != "right"]
     figures = [column for column in whole.columns if column.justify == "right"]
-    room = width - 1 - sum(_width(column) for column in text)
+    room = width - MARGIN - sum(_width(column) for column in text)
     blocks: list[list[Column]] = [[]]
     for column in figures:
         if blocks[-1] and sum(map(_width, blocks[-1])) + _width(column) > room:
@@ -69,7 +69,7 @@ def _width(column: Column) -> int:
 
 def table(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
     """An empty table; columns of ``left`` hold text, those of ``right`` figures."""
-    result = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, MARGIN, 0, 0), pad_edge=False)
+    result = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
     for heading in left:
         result.add_column(heading)
     for heading in right:

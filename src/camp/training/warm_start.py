@@ -13,6 +13,7 @@ import numpy as np
 from camp.algo.imitation import ImitationLoss, imitate
 from camp.build import Training
 from camp.common import distributed
+from camp.common.commands import command
 from camp.common.errors import ClipError
 from camp.common.files import folder_lock
 from camp.common.progress import track
@@ -83,11 +84,11 @@ def perturbed_clips(config: Config) -> list[Clip]:
     made = [path for path in (folder / f"{request.name}.npz" for request in requests) if path.is_file()]
     # A few noisy clips end in a fall and are not kept; many would mean that something is wrong.
     if len(made) < 0.7 * len(requests):
+        options = {"robot": robot.name, "count": wanted.perturbed_clips, "seed": PERTURBED_SEED, "folder": folder}
+        words = [word for name, value in options.items() for word in (f"--{name}", str(value))]
         raise ClipError(
             f"perturbed clips in {folder}: {len(made)} of {len(requests)} could be made; see why with "
-            f"`python -m camp.dataset perturbed --robot {robot.name} --count {wanted.perturbed_clips} "
-            f"--seed {PERTURBED_SEED} --folder {folder}`, "
-            "or train with run=scratch"
+            f"`{command('camp.dataset', 'perturbed', *words)}`, or train with run=scratch"
         )
     clips = [load_clip(path) for path in made]
     return [one for clip in clips for one in (clip, _under_way(mirrored(clip)))] if wanted.mirrored else clips
