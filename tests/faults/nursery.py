@@ -39,10 +39,14 @@ class Nursery:
     def __exit__(self, *_: object) -> None:
         self._process.communicate()
 
-    def start(self, command: Sequence[str], folder: Path, name: str) -> Job:
-        """Run `python -m command` in ``folder``; its output goes to ``<folder>/<name>.log``."""
+    def start(self, command: Sequence[str], folder: Path, name: str, **environment: str | None) -> Job:
+        """Run `python -m command` in ``folder``; its output goes to ``<folder>/<name>.log``.
+
+        environment: variables for it alone; None takes one away.
+        """
         log = folder / f"{name}.log"
-        return Job(self, self.ask(command=list(command), folder=str(folder), log=str(log)), log)
+        pid = self.ask(command=list(command), folder=str(folder), log=str(log), environment=environment)
+        return Job(self, pid, log)
 
     def ask(self, **request: Any) -> Any:
         """One answer to one request."""
@@ -115,6 +119,10 @@ def _become(request: dict[str, Any]) -> int:
     for target, source in ((0, nothing), (1, log), (2, log)):
         os.dup2(source, target)
     os.chdir(request["folder"])
+    for name, value in request["environment"].items():
+        os.environ.pop(name, None)
+        if value is not None:
+            os.environ[name] = value
     module, *arguments = request["command"]
     sys.argv = [module, *arguments]
     code: Any = 1

@@ -62,8 +62,10 @@ def run_hydra(
     try:
         arguments = _overrides_first(sys.argv[1:] if argv is None else argv)
         _check_options(arguments)
-        with tempfile.TemporaryDirectory() as notes, _command_line(arguments), _launcher_errors(arguments):
-            job = _Job(task, number_of_jobs(arguments), Path(notes))
+        sweep = {"-m", "--multirun"} & set(arguments)
+        place = tempfile.TemporaryDirectory() if sweep else contextlib.nullcontext()
+        with place as notes, _command_line(arguments), _launcher_errors(arguments):
+            job = _Job(task, number_of_jobs(arguments), notes)
             hydra.main(config_path=str(primary.parent), config_name=primary.name, version_base="1.3")(job)()
             if folders := job.folders():
                 after_sweep(folders)
@@ -92,9 +94,9 @@ class _JobFailedElsewhereError(Exception):
 class _Job:
     """The task as Hydra calls it: once, or once for each job of a sweep."""
 
-    def __init__(self, task: Callable[[DictConfig], Any], number: int, notes: Path) -> None:
-        """number: of the jobs; notes: a folder in which jobs in other processes leave what they return."""
-        self.task, self.number, self.notes = task, number, notes
+    def __init__(self, task: Callable[[DictConfig], Any], number: int, notes: str | None) -> None:
+        """number: of the jobs; notes: the folder in which those of a sweep, in any process, leave what they return."""
+        self.task, self.number, self.notes = task, number, None if notes is None else Path(notes)
         self.process = os.getpid()
         self.error: Exception | None = None  # of a single run
         self.exit_codes: list[int] = []  # of a sweep's failed jobs
@@ -107,14 +109,15 @@ class _Job:
         index, values = hydra_config.job.num, " ".join(hydra_config.overrides.task)
         print(f"job {index + 1} of {self.number}: {values}", flush=True)
         result = self._run(config)
-        if isinstance(result, Path):
+        if isinstance(result, Path) and self.notes is not None:
             with contextlib.suppress(OSError):  # on another machine the folder is not there
                 (self.notes / f"{index:06d}").write_text(str(result), encoding="utf-8")
         return result
 
     def folders(self) -> list[Path]:
         """What the jobs of a sweep returned, in their order."""
-        return [Path(note.read_text(encoding="utf-8")) for note in sorted(self.notes.iterdir())]
+        notes = [] if self.notes is None else sorted(self.notes.iterdir())
+        return [Path(note.read_text(encoding="utf-8")) for note in notes]
 
     def _run(self, config: DictConfig) -> Any:
         try:
