@@ -18,7 +18,7 @@ from tests.faults.nursery import Job, Nursery
 from tests.faults.test_training import finished
 from tests.faults.victims import Count, chance_of, kill_when
 
-MOST = 6  # kills of a phase: each takes seconds before there is anything to kill
+MOST = 4  # kills of a phase: each takes seconds before there is anything to kill
 SHORT = (
     *("suite=short", "parts=[gait]", "walks.per_skill=2", "baselines=false", "video=false", "threads=1"),
     *("duration_s=4.0", "discard_s=1.0"),
@@ -55,7 +55,7 @@ def test_generation(nursery: Nursery, tmp_path: Path, kills: int, count: Count, 
     reference = tmp_path / "undisturbed"
     finish(nursery, [*command, str(reference)], tmp_path)
     chance = chance_of("generation")
-    for number in range(min(kills, MOST)):
+    for number in range(min(kills, MOST) // 2):
         folder, wanted = tmp_path / f"{number}", chance.randint(0, 3)
         job = nursery.start([*command, str(folder)], tmp_path, f"generation{number}")
         killed(job, count, lambda f=folder, n=wanted: len(list(f.glob("*.npz"))) >= n, chance.uniform(0.0, 3.0))
