@@ -10,12 +10,24 @@ from gymnasium.utils.env_checker import check_env
 
 import camp.envs  # noqa: F401 - registers camp/Go2-v0
 from camp.common.errors import CampError
+from camp.envs.spaces import useful_actions
+from camp.robots.go2 import GO2
 
 FEW = ["motion.skills=[trot]", "motion.frequencies_hz=[2]", "motion.mirrored=false", "env.episode_s=0.2"]
 
 
 def make(**arguments) -> gymnasium.Env:
     return gymnasium.make("camp/Go2-v0", overrides=FEW, **arguments)
+
+
+def test_the_bounds_of_actions_leave_nothing_out():
+    """At both ends every joint's motor gives its full torque, wherever the joint is and however fast it turns."""
+    space, scale = useful_actions(GO2, 0.25), 0.25
+    pose = np.array(GO2.default_joint_position)
+    for bound, place, sign in ((space.low, GO2.joint_lower, -1.0), (space.high, GO2.joint_upper, 1.0)):
+        target, speed = pose + scale * bound, sign * np.array(GO2.joint_speed_limit)
+        torque = GO2.pd_gain_p * (target - np.array(place)) - GO2.pd_gain_d * speed
+        np.testing.assert_allclose(sign * torque, GO2.torque_limit, rtol=1e-4)
 
 
 def test_wrappers_of_gymnasium():

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
-from tests.faults.nursery import Nursery
+from tests.faults.nursery import Job, Nursery
 from tests.faults.victims import (
     Count,
     assert_can_be_continued,
@@ -64,7 +65,6 @@ def test_training(nursery: Nursery, tmp_path: Path, kills: int, count: Count):
 def test_checkpoint_writing(nursery: Nursery, tmp_path: Path, kills: int, count: Count, campaign: None):
     """Every checkpoint that has its name is whole; what the killed writer left goes with the next checkpoint."""
     chance = chance_of("checkpoint")
-    folder = tmp_path / "outputs"
     iterations = 4
     while count.killed < min(kills, 8):
         run = only_run(tmp_path)
@@ -74,19 +74,21 @@ def test_checkpoint_writing(nursery: Nursery, tmp_path: Path, kills: int, count:
         else:
             job = resume(nursery, run, iterations)
 
-        def seen() -> bool:
-            return any(folder.glob("2*/checkpoints/*.partial"))
+        def half_written(job: Job = job) -> bool:
+            return any(tmp_path.glob(f"outputs/2*/checkpoints/*.{job.pid}.partial"))
+
+        def seen(half_written: Callable[[], bool] = half_written) -> bool:
+            return half_written() and only_run(tmp_path) is not None
 
         alive = kill_when(job, seen, chance.uniform(0.0, 0.02))
-        left = seen()
-        count.add(alive, "with a half-written file" if left else "")
+        count.add(alive, "with a half-written file" if half_written() else "")
         if (run := only_run(tmp_path)) is not None:
             assert_can_be_continued(run)
     run = only_run(tmp_path)
     assert run is not None
     last = resume(nursery, run, iterations + 1)
     assert last.wait() == 0, last.output
-    assert not seen()
+    assert not any(run.glob("checkpoints/*.partial"))
 
 
 def test_imitation(nursery: Nursery, tmp_path: Path, kills: int, count: Count, campaign: None):
