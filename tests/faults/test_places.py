@@ -40,7 +40,13 @@ def test_long_training_keeps_memory_and_file_handles(nursery: Nursery, tmp_path:
     """2000 iterations: as many open files as at the start, and less than 5 MiB more memory."""
     if not Path("/proc/self/statm").exists():
         pytest.skip("needs /proc")
-    small = ["run.rollout_steps=2", "sim.num_envs=1", "run.checkpoint_every=500", "run.gait_every=100"]
+    small = [
+        "run.rollout_steps=2",
+        "sim.num_envs=1",
+        "run.checkpoint_every=500",
+        "run.gait_every=100",
+        "algo.ppo.minibatches=1",
+    ]
     job = nursery.start(["camp.train", *TINY, *small, "run.iterations=2000"], tmp_path, "train")
     process, seen = Path("/proc") / str(job.pid), {}
     while not job.ended():
