@@ -69,7 +69,7 @@ def test_training_on_a_full_disk(nursery: Nursery, tmp_path: Path, disk: Path, c
 
 
 def test_products_on_a_full_disk(nursery: Nursery, tmp_path: Path, disk: Path, count: Count, campaign: None):
-    """Evaluation, export, shipping, figures and clips: one line, exit code 2, and what was there stays as it was."""
+    """Evaluation, export, figures and clips: one line, an exit code, and what was there stays as it was."""
     job = train(nursery, tmp_path, "run.iterations=1", f"output_dir={disk / 'outputs'}")
     assert job.wait() == 0, job.output
     run = only_run(disk)
