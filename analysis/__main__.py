@@ -17,7 +17,9 @@ from analysis.style import save
 from analysis.training import compute_curves, draw_curves
 from camp.build import load_run
 from camp.cli.key_values import run_command
+from camp.common.files import make_folder
 from camp.common.paths import policies_root
+from camp.common.progress import phase
 from camp.runs.folder import FIGURES, results_folder
 
 SEED = 0
@@ -37,12 +39,17 @@ def draw_contacts(folder: Path) -> list[Path]:
 
 def draw_latent_space(folder: Path) -> list[Path]:
     """Write clusters.png and dtw.png from the run's skill discriminator and expert clips."""
-    run = load_run(folder)
-    clips, skills = load.clip_features(run), run.config.motion.skill_set()
+    with phase("reading the expert's clips", stream=sys.stderr):
+        run = load_run(folder)
+        clips, skills = load.clip_features(run), run.config.motion.skill_set()
     feature, skill = sample_transitions(clips, POINTS_PER_SKILL, np.random.default_rng(SEED), skills)
+    with phase(f"t-SNE and K-means of {len(feature)} transitions", stream=sys.stderr):
+        clusters = compute_clusters(feature, skill, SEED)
+    with phase("DTW distances between the skills", stream=sys.stderr):
+        distances = compute_distances(clips)
     return [
-        save(draw_clusters(compute_clusters(feature, skill, SEED)), figures_folder(folder) / "clusters.png"),
-        save(draw_distances(compute_distances(clips)), figures_folder(folder) / "dtw.png"),
+        save(draw_clusters(clusters), figures_folder(folder) / "clusters.png"),
+        save(draw_distances(distances), figures_folder(folder) / "dtw.png"),
     ]
 
 
@@ -69,7 +76,7 @@ def run_folder(arguments: Sequence[str]) -> Path:
 def draw_figures(arguments: Sequence[str]) -> None:
     """Draw all figures and print their paths. Raises CampError where something is missing.
 
-    Learning curves come first: they need no evaluation.
+    Learning curves come first: they need no evaluation. What takes its time says so on stderr.
     """
     kinds = {"training": draw_training, "contacts": draw_contacts, "latent_space": draw_latent_space}
     only = [argument.removeprefix("only=") for argument in arguments if argument.startswith("only=")]
@@ -77,6 +84,7 @@ def draw_figures(arguments: Sequence[str]) -> None:
     if unknown:
         raise load.AnalysisError(f"only={unknown[0]}: no such figures; choose one of {', '.join(kinds)}")
     folder = run_folder([argument for argument in arguments if not argument.startswith("only=")])
+    make_folder(figures_folder(folder))  # before any work
     try:
         for draw in [kinds[kind] for kind in only or kinds]:
             for path in draw(folder):

@@ -22,6 +22,7 @@ from analysis.style import INK, skill_colours
 from camp.cli.key_values import key_values, run_command
 from camp.common.errors import ConfigError
 from camp.common.files import whole_file
+from camp.common.progress import track
 from camp.deploy import FOOT_NAMES, Policy, Robot, observe
 from camp.deployment.export import export_policy
 from camp.runs.folder import FIGURES, results_folder
@@ -133,7 +134,9 @@ def animate(arguments: Sequence[str]) -> None:
     robot = Robot(policy.metadata)
     renderer = RobotRenderer(robot.model, *SIZE)
     shown = demonstrate(policy, robot, one_per_gait(policy.metadata["skills"]))
-    write_gif(path, list(frames(shown, renderer)), STEPS_PER_FRAME * shown.period_s)
+    pictures = -(-len(shown.skill) // STEPS_PER_FRAME)
+    drawn = list(track(frames(shown, renderer), "drawing pictures", pictures, sys.stderr))
+    write_gif(path, drawn, STEPS_PER_FRAME * shown.period_s)
     renderer.close()
     print(path)
 

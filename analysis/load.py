@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
-import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, isfinite
@@ -15,7 +13,10 @@ import torch
 from numpy.typing import NDArray
 
 from camp.algo.skill import SkillPrior
+from camp.common.archive import read_arrays
+from camp.common.commands import command
 from camp.common.errors import CampError
+from camp.common.foreign import foreign_file
 from camp.common.histogram import BINS
 from camp.data import Transition
 from camp.gaits.schedule import GAIT_PHASES
@@ -28,6 +29,7 @@ if TYPE_CHECKING:  # camp.build imports the simulator, which figures drawn from 
     from camp.build import Run
 
 LEAST_S = 2.0  # that an evaluation shows of each skill
+SWITCHING = ("period", "skills", "skill_switch_contact", "skill_switch_skill")  # what a roll-out is read from
 HISTOGRAM = "histogram"  # in the keys of metrics that are one
 
 
@@ -113,23 +115,22 @@ def _is_histogram(value: Any) -> bool:
 def switching_sequence(folder: Path) -> SwitchingSequence:
     """Read the switching roll-out from a run folder's eval.npz; AnalysisError where missing or broken."""
     path = folder / ARRAYS
-    remedy = f"run `python -m camp.evaluate run={folder}`"
+    remedy = f"run `{command('camp.evaluate', run=folder)}`"
     if not path.is_file():
         raise AnalysisError(f"'{path}' does not exist: {remedy} first")
-    try:
-        with np.load(path, allow_pickle=False) as arrays:
-            sequence = SwitchingSequence(
-                period_s=float(arrays["period"]),
-                skills=tuple(str(name) for name in arrays["skills"]),
-                contact=arrays["skill_switch_contact"].astype(bool),
-                skill=arrays["skill_switch_skill"].astype(int),
-            )
+    with foreign_file(path, f"'{path}' cannot be read", f"{remedy} again", AnalysisError):
+        arrays = read_arrays(path, SWITCHING)
+        for name in SWITCHING:
+            if name not in arrays:
+                raise AnalysisError(f"'{path}' has no array '{name}': {remedy} again")
+        sequence = SwitchingSequence(
+            period_s=float(arrays["period"]),
+            skills=tuple(str(name) for name in arrays["skills"]),
+            contact=arrays["skill_switch_contact"].astype(bool),
+            skill=arrays["skill_switch_skill"].astype(int),
+        )
         _check_arrays(sequence)
         return sequence
-    except KeyError as error:
-        raise AnalysisError(f"'{path}' has no array {error}: {remedy} again") from error
-    except (ValueError, TypeError, OSError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-        raise AnalysisError(f"'{path}' cannot be read ({error}): {remedy} again") from error
 
 
 def _check_arrays(sequence: SwitchingSequence) -> None:

@@ -20,6 +20,7 @@ from analysis.contacts import FEET, spans
 from analysis.load import AnalysisError
 from analysis.style import GAIT_COLOURS, INK, new_figure, save, style
 from camp.cli.key_values import run_command
+from camp.common.commands import command
 from camp.common.paths import shipped_motions
 from camp.gaits.gait import GAITS
 from camp.motion.clips.clip import Clip
@@ -170,7 +171,9 @@ def draw_motions(folder: Path, target: Path) -> list[Path]:
 def _clip(folder: Path, name: str) -> Clip:
     path = folder / f"{name}.npz"
     if not path.is_file():
-        raise AnalysisError(f"'{path}' does not exist: generate it with `python -m camp.dataset --folder {folder}`")
+        raise AnalysisError(
+            f"'{path}' does not exist: generate it with `{command('camp.dataset', '--folder', str(folder))}`"
+        )
     return load_clip(path)
 
 

@@ -16,6 +16,10 @@ from camp.motion.clips.clip import Clip
 from camp.motion.clips.store import load_clips
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--kills", type=int, default=2, help="of each phase of the fault campaign (docs/reliability.md)")
+
+
 @pytest.hookimpl(optionalhook=True)  # pytest-xdist's
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     """With `--dist loadfile`: a file's tests in one worker, and all files with tests of DTW in the same one."""

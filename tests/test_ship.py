@@ -206,7 +206,7 @@ def test_what_cannot_be_shipped_is_told_before_anything_is_written(run, tmp_path
         ),
         ("eval.json", '{"iteration": 7}', "of another format than 2, by an older or newer judge"),
         ("eval.json", json.dumps(EVALUATION | {"switching": None}), "of a partial evaluation, without switching"),
-        ("eval.npz", "nothing", "eval.npz is damaged; run `python -m camp.evaluate run="),
+        ("eval.npz", "nothing", "eval.npz is damaged (File is not a zip file); run `python -m camp.evaluate run="),
         ("imitation.jsonl", '{"loss": 1}\n{"lo', "imitation.jsonl: no learning curve (Unterminated"),
         ("imitation.jsonl", "[1]\n", "imitation.jsonl: no learning curve ('list' object"),
         ("imitation.jsonl", '{"loss": "much"}\n', "imitation.jsonl: no learning curve (Unknown format"),

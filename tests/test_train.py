@@ -56,6 +56,11 @@ def test_three_seeds_of_an_ablation_are_three_runs_in_one_group(tmp_path):
     assert len({(run / "wandb_id.txt").read_text() for run in runs}) == 3
     assert all(list((run / "wandb").glob("offline-run-*")) for run in runs)
     assert "wandb leet" in done.stdout and "wandb sync" in done.stdout
+    assert [f"job {n} of 3: " in done.stdout for n in range(1, 5)] == [True, True, True, False]
+    evaluate, compare = done.stdout.splitlines()[-2:]
+    folders = [str(run.relative_to(tmp_path)) for run in sorted(runs, key=lambda run: run.name[-1])]
+    assert evaluate == f"evaluate these 3 runs: python -m camp.evaluate -m run={','.join(folders)}"
+    assert compare == f"then compare them: python -m analysis.seeds {' '.join(folders)}"
     first, second, _ = (metrics_of(run) for run in runs)
     assert first != second and not any(key.startswith("prior/skill") for key in first[0])
 
@@ -215,6 +220,8 @@ def test_smoke_run_from_any_folder(uninterrupted):
     assert (run / "versions.json").is_file()
     assert [int(path.stem[-8:]) for path in list_checkpoints(run)[-3:]] == [8, 9, 10]
     assert (run.parent / "latest").resolve() == run.resolve()
+    named = run.relative_to(run.parents[1])
+    assert uninterrupted.output.endswith(f"trained; evaluate it with: python -m camp.evaluate run={named}\n")
 
 
 @pytest.mark.parametrize("stop", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])

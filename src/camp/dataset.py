@@ -24,12 +24,13 @@ from pathlib import Path
 from typing import NoReturn
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn, track
 
 from camp.cli.guard import guarded
+from camp.common.commands import command
 from camp.common.errors import ClipError, ConfigError
 from camp.common.files import folder_lock
 from camp.common.paths import shipped_motions
+from camp.common.progress import track
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.consistency import ClipCheck
 from camp.motion.clips.store import load_clip
@@ -44,6 +45,7 @@ from camp.motion.exchange.cli import add_exchange, run_exchange
 from camp.robots.registry import DEFAULT_ROBOT, ROBOTS, find_robot
 from camp.robots.robot import Robot
 
+MODULE = "camp.dataset"
 MOST_CLIPS = 100_000  # of one seed: what tells the files' names apart
 MOST_WORKERS = 1024  # each takes a process and its memory
 SHIPPED = "the robot's shipped clips"  # what help texts call the usual folder
@@ -89,14 +91,12 @@ def _fitting(requests: Sequence[ClipRequest], pattern: str) -> list[ClipRequest]
 def generate(robot: Robot, requests: Sequence[ClipRequest], options: argparse.Namespace) -> int:
     """Generate clips with a progress bar, after other processes that do so there; returns how many failed."""
     count = {"made": 0, "kept": 0, "failed": 0}
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with folder_lock(options.folder), Progress(*columns) as progress:
-        task = progress.add_task("expert clips", total=len(requests))
-        for outcome in generate_dataset(robot, requests, options.folder, options.workers, options.overwrite):
+    with folder_lock(options.folder):
+        outcomes = generate_dataset(robot, requests, options.folder, options.workers, options.overwrite)
+        for outcome in track(outcomes, "expert clips", len(requests)):
             count[outcome.status] += 1
             if outcome.status == "failed":
-                progress.console.print(f"left out: {outcome.request.name}: {outcome.message}", soft_wrap=True)
-            progress.update(task, advance=1, description=outcome.request.name)
+                print(f"left out: {outcome.request.name}: {outcome.message}", flush=True)
     size = sum(path.stat().st_size for path in options.folder.glob("*.npz")) / 1e6
     print(f"{options.folder}: " + ", ".join(f"{n} {status}" for status, n in count.items()) + f", {size:.1f} MB")
     return count["failed"]
@@ -130,7 +130,7 @@ def card(robot: Robot, folder: Path) -> int:
     """Write the folder's card; returns the exit code. Raises ClipError where no clip can be read."""
     judged = judge(robot, folder)
     if not judged.clips:
-        raise ClipError(f"no clip in {folder} can be read; see why with `python -m camp.dataset validate {folder}`")
+        raise ClipError(f"no clip in {folder} can be read; see why with `{command(MODULE, 'validate', str(folder))}`")
     size = sum(path.stat().st_size for path in clip_paths(folder))
     print(write_card(folder, dataset_card(robot, judged.clips, judged.results, size)))
     return int(judged.bad > 0)
@@ -139,9 +139,7 @@ def card(robot: Robot, folder: Path) -> int:
 def judge(robot: Robot, folder: Path) -> Judged:
     """Check every clip of a folder; what is wrong is printed, with its likely cause."""
     clips, results, bad = {}, {}, 0
-    errors = Console(stderr=True)
-    paths = clip_paths(folder)
-    for path in track(paths, "judging clips", console=errors, transient=True, disable=not errors.is_terminal):
+    for path in track(clip_paths(folder), "judging clips"):
         try:
             clip = load_clip(path)
         except ClipError as error:
@@ -207,8 +205,8 @@ def _parser() -> argparse.ArgumentParser:
     _add_generation(perturbed, "outputs/motions/perturbed_<robot>")
     perturbed.set_defaults(command="perturbed")
     add_exchange(commands)
-    for command in commands.choices.values():
-        _add_robot(command, argparse.SUPPRESS)  # what stands before the command counts too
+    for single in commands.choices.values():
+        _add_robot(single, argparse.SUPPRESS)  # what stands before the command counts too
     return parser
 
 

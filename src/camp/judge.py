@@ -6,6 +6,7 @@ contacts=<log.csv or .npz>               four contacts against time, of any robo
                                          [skill=trot_3hz] [threshold_n=<N>] [discard_s=<s>]
 expert                                   the shipped expert's clips
 labelled                                 the judge itself, on motions whose right answer is known
+report=<file.json>                       all tables of a report that was written before, such as <run folder>/eval.json
 
 suite=full (the default) is suite v1; output=<folder> holds <name>.json (default: outputs/judge).
 """
@@ -17,13 +18,15 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from rich.console import Console
+from rich.table import Table
 
 from camp.build import load_run
 from camp.cli.key_values import key_values, run_command
 from camp.common.errors import CampError, ConfigError
 from camp.common.files import make_folder, write_text
+from camp.common.progress import track
 from camp.deployment.contract import contract_inside
+from camp.evaluation.cells import fitted, table_console
 from camp.evaluation.composing import compose_evaluation
 from camp.evaluation.contact_log import read_log
 from camp.evaluation.contact_report import contact_json, contact_tables, judge_log
@@ -31,13 +34,13 @@ from camp.evaluation.contract import read_contract
 from camp.evaluation.evaluator import Evaluator, Subject
 from camp.evaluation.expert import judge_expert
 from camp.evaluation.labelled import answers_table, labelled_answers
-from camp.evaluation.output import TABLE_WIDTH, expert_motions, print_report, step_counter
+from camp.evaluation.output import expert_motions, print_report
 from camp.evaluation.policies import OnnxAnswer
-from camp.evaluation.report import write_report
+from camp.evaluation.report import read_report, write_report
 from camp.evaluation.subjects import subject_of_onnx, subject_of_run
 
 OUTPUT = Path("outputs") / "judge"
-KINDS = ("policy", "run", "contacts")
+KINDS = ("policy", "run", "contacts", "report")
 
 
 def judge(arguments: Sequence[str]) -> None:
@@ -45,20 +48,25 @@ def judge(arguments: Sequence[str]) -> None:
     if "labelled" in arguments:
         key_values([a for a in arguments if a != "labelled"], required=[])
         answers = list(labelled_answers())
-        _console().print(answers_table(answers))
+        _print(answers_table(answers))
         return
     if "expert" in arguments:
         given = key_values([a for a in arguments if a != "expert"], required=[], optional=["output"])
         report = judge_expert()
-        print_report(report)
         path = _output(given) / f"{report.run}.json"
         write_report(path, report)
+        print_report(report, path)
         print(f"wrote {path}")
         return
     kind = next((kind for kind in KINDS if any(a.startswith(f"{kind}=") for a in arguments)), None)
     if kind is None:
-        raise ConfigError("nothing to judge: give policy=, run= or contacts=<file>, expert or labelled; see --help")
-    if kind == "contacts":
+        raise ConfigError(
+            "nothing to judge: give policy=, run=, contacts= or report=<file>, expert or labelled; see --help"
+        )
+    if kind == "report":
+        path = Path(key_values(arguments, ["report"])["report"])
+        print_report(read_report(path, "judge it again"), path, everything=True)
+    elif kind == "contacts":
         _judge_contacts(key_values(arguments, ["contacts"], ["skill", "threshold_n", "discard_s", "output"]))
     else:
         optional = ["suite", "output", "threads", *(["contract"] if kind == "policy" else [])]
@@ -69,10 +77,10 @@ def _judge_policy(kind: str, given: dict[str, str]) -> None:
     overrides = [f"suite={given.get('suite', 'full')}", f"threads={given.get('threads', 0)}"]
     evaluation, output = compose_evaluation(overrides), _output(given)
     subject = _subject(kind, given, evaluation.baselines)
-    judgement = Evaluator(evaluation, expert_motions(), step_counter()).judge(subject)
-    print_report(judgement.report)
+    judgement = Evaluator(evaluation, expert_motions(), track).judge(subject)
     path = output / f"{_file_name(subject.name)}.json"
     write_report(path, judgement.report)
+    print_report(judgement.report, path)
     print(f"wrote {path}")
 
 
@@ -90,7 +98,7 @@ def _judge_contacts(given: dict[str, str]) -> None:
     threshold = _number(given, "threshold_n") if "threshold_n" in given else None
     discard = _number(given, "discard_s") if "discard_s" in given else 0.0
     report = judge_log(read_log(path, threshold), path.name, given.get("skill"), discard)
-    _console().print(contact_tables(report))
+    _print(*contact_tables(report))
     if "output" in given:
         target = _output(given) / f"{_file_name(path.stem)}.json"
         write_text(target, contact_json(report))
@@ -119,8 +127,10 @@ def _file_name(name: str) -> str:
     return kept
 
 
-def _console() -> Console:
-    return Console() if sys.stdout.isatty() else Console(width=TABLE_WIDTH)
+def _print(*tables: Table) -> None:
+    console = table_console()
+    for part in (part for whole in tables for part in fitted(whole, console.width)):
+        console.print(part)
 
 
 if __name__ == "__main__":

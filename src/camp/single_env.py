@@ -10,6 +10,7 @@ import numpy as np
 from camp.build import build_env, expert_clips
 from camp.config.compose import compose_config
 from camp.envs.actions import as_action
+from camp.envs.spaces import useful_actions
 from camp.robots.quadruped import NUM_JOINTS
 from camp.sim.rendering import RobotRenderer
 
@@ -34,7 +35,7 @@ class Go2Env(gym.Env):
         config = compose_config(["sim=cpu", "sim.threads=1", *overrides])
         self.batched = build_env(config, expert_clips(config), num_envs=1)
         self.observation_space = self.batched.single_observation_space
-        self.action_space = self.batched.single_action_space
+        self.action_space = useful_actions(self.batched.robot, config.robot.action_scale)
         self._renderer: RobotRenderer | None = None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict]:

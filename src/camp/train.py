@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from hydra.core.hydra_config import HydraConfig
@@ -11,6 +12,7 @@ from omegaconf import DictConfig
 
 from camp.cli.hydra_main import run_hydra
 from camp.common import distributed
+from camp.common.commands import command
 from camp.common.errors import ConfigError
 from camp.config.resolve import resolve
 from camp.sim.choice import AUTO, why_no_gpu
@@ -31,5 +33,13 @@ def train(composed: DictConfig) -> Path:
         return session.start(config)
 
 
+def compare(folders: Sequence[Path]) -> None:
+    """Say how the runs of a sweep are evaluated and put side by side."""
+    if len(folders) < 2:
+        return
+    print(f"evaluate these {len(folders)} runs: {command('camp.evaluate', '-m', run=','.join(map(str, folders)))}")
+    print(f"then compare them: {command('analysis.seeds', *map(str, folders))}", flush=True)
+
+
 if __name__ == "__main__":
-    sys.exit(run_hydra("train", train))
+    sys.exit(run_hydra("train", train, after_sweep=compare))

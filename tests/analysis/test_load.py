@@ -187,6 +187,6 @@ def test_learning_curve_needs_an_iteration(tmp_path):
 def test_metrics_of_another_kind_are_named(change, words, tmp_path):
     rows = metrics(3)
     rows[1] |= change
-    with pytest.raises(AnalysisError) as error:
+    with pytest.raises(CampError) as error:
         learning_curve(write_metrics(tmp_path, rows))
     assert words in str(error.value) and "metrics.jsonl" in str(error.value)

@@ -82,7 +82,11 @@ def test_evaluating_a_run_writes_its_report(tmp_path, capsys, monkeypatch):
     assert wandb_run.finished and wandb_run.step == 8
     assert wandb_run.summary["evaluation/policies/standing/all/stepping"] == 0.0
     output = capsys.readouterr()
-    assert "missed" in output.out and "one disturbance at a time" in output.out and "walking: 150 of 150" in output.out
+    assert (
+        "missed" in output.out
+        and "one disturbance at a time" in output.out
+        and "walking, control steps: 150 of 150" in output.out
+    )
     if "no videos" in output.err:
         pytest.skip("no off-screen OpenGL here")
     videos = sorted(path.name for path in (run / "videos").glob("*.mp4"))

@@ -65,7 +65,7 @@ def test_the_parts_without_the_policys_own_walks_are_printed():
 
 def test_figures_without_a_value_are_printed_and_logged_as_none():
     found = judged()
-    assert printed(found).renderables
+    assert printed(found, 80).renderables
     logged = metrics(found)
     assert logged["evaluation/policies/trained/all/gait_accuracy/value"] == 1.0
     assert logged["evaluation/verdict/gait_accuracy"] == 1.0

@@ -6,13 +6,18 @@ import contextlib
 import difflib
 import os
 import sys
+import tempfile
 import traceback
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import Any, NoReturn
 
 import hydra
+from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
 from hydra._internal.utils import get_args_parser
 from hydra.core.hydra_config import HydraConfig
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra.errors import HydraException
 from hydra.types import RunMode
 from omegaconf import DictConfig
 
@@ -36,7 +41,12 @@ _FLAGS_WITH_VALUE = (
 )
 
 
-def run_hydra(config_name: str, task: Callable[[DictConfig], Any], argv: Sequence[str] | None = None) -> int:
+def run_hydra(
+    config_name: str,
+    task: Callable[[DictConfig], Any],
+    argv: Sequence[str] | None = None,
+    after_sweep: Callable[[list[Path]], None] = lambda folders: None,
+) -> int:
     """Compose `conf/<config_name>.yaml` with the overrides in `argv` (default: the command line), run `task`.
 
     Groups are the folders beside that file.
@@ -44,16 +54,21 @@ def run_hydra(config_name: str, task: Callable[[DictConfig], Any], argv: Sequenc
     Returns the exit code: 0; EXIT_INPUT after an error of the input, told in one line on stderr; EXIT_BUG
     after a job of a sweep ended in a bug, its traceback on stderr; EXIT_INTERRUPTED after Ctrl-C. Outside a
     sweep a bug propagates. A sweep goes on after a failed job; Ctrl-C ends it, provided that `task` lets
-    KeyboardInterrupt through. CAMP_DEBUG=1 shows the traceback of input errors too.
+    KeyboardInterrupt through. At its end `after_sweep` gets the folders that its jobs returned. CAMP_DEBUG=1 shows the
+    traceback of input errors too.
     """
-    job = _Job(task)
     primary = config_root() / config_name
     register_ablations()
     try:
         arguments = _overrides_first(sys.argv[1:] if argv is None else argv)
         _check_options(arguments)
-        with _command_line(arguments), _launcher_errors(arguments):
+        sweep = {"-m", "--multirun"} & set(arguments)
+        place = tempfile.TemporaryDirectory() if sweep else contextlib.nullcontext()
+        with place as notes, _command_line(arguments), _launcher_errors(arguments):
+            job = _Job(task, number_of_jobs(arguments), notes)
             hydra.main(config_path=str(primary.parent), config_name=primary.name, version_base="1.3")(job)()
+            if folders := job.folders():
+                after_sweep(folders)
         if job.error is not None:
             raise job.error
         return EXIT_BUG if EXIT_BUG in job.exit_codes else max(job.exit_codes, default=0)
@@ -79,14 +94,32 @@ class _JobFailedElsewhereError(Exception):
 class _Job:
     """The task as Hydra calls it: once, or once for each job of a sweep."""
 
-    def __init__(self, task: Callable[[DictConfig], Any]) -> None:
-        self.task = task
+    def __init__(self, task: Callable[[DictConfig], Any], number: int, notes: str | None) -> None:
+        """number: of the jobs; notes: the folder in which those of a sweep, in any process, leave what they return."""
+        self.task, self.number, self.notes = task, number, None if notes is None else Path(notes)
         self.process = os.getpid()
         self.error: Exception | None = None  # of a single run
         self.exit_codes: list[int] = []  # of a sweep's failed jobs
 
     def __call__(self, config: DictConfig) -> Any:
         """Run the task. Its errors bypass Hydra, which would wrap them in lines of its own."""
+        hydra_config = HydraConfig.get()
+        if hydra_config.mode != RunMode.MULTIRUN:
+            return self._run(config)
+        index, values = hydra_config.job.num, " ".join(hydra_config.overrides.task)
+        print(f"job {index + 1} of {self.number}: {values}", flush=True)
+        result = self._run(config)
+        if isinstance(result, Path) and self.notes is not None:
+            with contextlib.suppress(OSError):  # on another machine the folder is not there
+                (self.notes / f"{index:06d}").write_text(str(result), encoding="utf-8")
+        return result
+
+    def folders(self) -> list[Path]:
+        """What the jobs of a sweep returned, in their order."""
+        notes = [] if self.notes is None else sorted(self.notes.iterdir())
+        return [Path(note.read_text(encoding="utf-8")) for note in notes]
+
+    def _run(self, config: DictConfig) -> Any:
         try:
             return self.task(config)
         except Exception as error:
@@ -98,6 +131,18 @@ class _Job:
                 raise _JobFailedElsewhereError(exit_code) from None
             self.exit_codes.append(exit_code)
             return None
+
+
+def number_of_jobs(arguments: Sequence[str]) -> int:
+    """How many jobs a command line asks for; 1 where it cannot be told, which is then an error of Hydra's."""
+    if not {"-m", "--multirun"} & set(arguments):
+        return 1
+    overrides = [argument for argument in arguments if not argument.startswith("-")]
+    try:
+        parsed = OverridesParser.create().parse_overrides(overrides)
+        return sum(map(len, BasicSweeper.split_arguments(parsed, None)))
+    except HydraException:
+        return 1
 
 
 def report(error: Exception, prefix: str = "") -> int:

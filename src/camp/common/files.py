@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import glob
 import os
+import socket
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -20,10 +22,15 @@ def whole_file(path: Path, check: Callable[[Path], object] | None = None) -> Ite
     """A file to write to, which takes its name, and the place of what is there, once all of it is on the disk.
 
     check: reads the finished file back before it takes its name; where it raises, what is there stays.
-    Makes the folder. A process killed on the way leaves a ``*.partial`` behind. Raises OSError.
+    Makes the folder. A process killed on the way leaves a ``*.partial`` behind, which the next one to write this file
+    removes. Raises OSError.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f"{path.name}.{os.getpid()}{PARTIAL}")
+    machine = socket.gethostname()
+    for left in path.parent.glob(f"{glob.escape(path.name)}.{glob.escape(machine)}.*{PARTIAL}"):
+        if not _is_running(left.name.removesuffix(PARTIAL).rpartition(".")[2]):
+            left.unlink(missing_ok=True)
+    partial = path.with_name(f"{path.name}.{machine}.{os.getpid()}{PARTIAL}")
     try:
         with partial.open("wb") as file:
             yield file
@@ -35,6 +42,23 @@ def whole_file(path: Path, check: Callable[[Path], object] | None = None) -> Ite
         _sync_folder(path.parent)
     finally:
         partial.unlink(missing_ok=True)
+
+
+@contextmanager
+def whole_pair(first: Path, second: Path) -> Iterator[tuple[BinaryIO, BinaryIO]]:
+    """Two files to write to that belong together: the second, where it is there, stands beside its own first.
+
+    Otherwise as `whole_file`; where one of them cannot be written, both stay as they were.
+    """
+    with whole_file(second) as last:
+
+        def make_room(_: Path) -> None:
+            last.flush()
+            os.fsync(last.fileno())  # a full disk shows itself now at the latest
+            second.unlink(missing_ok=True)
+
+        with whole_file(first, make_room) as head:
+            yield head, last
 
 
 def write_text(path: Path, text: str, check: Callable[[Path], object] | None = None) -> None:
@@ -83,6 +107,17 @@ def folder_lock(folder: Path, wait: bool = True) -> Iterator[None]:
         yield
     finally:
         os.close(handle)
+
+
+def _is_running(process: str) -> bool:
+    """Whether there is a process of this number on this machine."""
+    try:
+        os.kill(int(process), 0)
+    except (ValueError, OverflowError, ProcessLookupError):
+        return False
+    except PermissionError:  # another user's
+        return True
+    return True
 
 
 def _sync_folder(folder: Path) -> None:

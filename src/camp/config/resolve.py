@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any, cast
 
 from omegaconf import DictConfig, OmegaConf
-from yaml import YAMLError
 
 from camp.common.errors import ConfigError
+from camp.common.foreign import LARGEST_YAML, check_yaml, foreign_file
 from camp.common.paths import config_root
 from camp.config.hydra_errors import INPUT_ERRORS, diagnosis
 from camp.config.renamed import renamed_overrides, with_new_names
@@ -17,6 +17,8 @@ from camp.config.schema import Config
 from camp.runs.folder import CONFIG
 from camp.sim.choice import AUTO, why_no_gpu
 from camp.sim.config import check_backend
+
+RESTORE = "restore the original file"
 
 
 def resolve(config: DictConfig) -> Config:
@@ -61,13 +63,12 @@ def load_run_config(run: Path, changes: Sequence[str] = ()) -> Config:
 
 
 def _load_yaml(path: Path) -> DictConfig:
-    try:
-        loaded = OmegaConf.load(path)
-    except (ValueError, RecursionError, YAMLError, *INPUT_ERRORS) as error:
-        reason = " ".join(str(error).split())
-        raise ConfigError(f"file {path}: cannot be read as YAML ({reason}); restore the original file") from error
+    with foreign_file(path, f"file {path}: cannot be read as YAML", RESTORE, ConfigError, LARGEST_YAML):
+        text = path.read_text(encoding="utf-8")
+        check_yaml(text)
+        loaded = OmegaConf.create(text) if text.strip() else OmegaConf.create({})
     if not isinstance(loaded, DictConfig):
-        raise ConfigError(f"file {path}: a list, not a configuration; restore the original file")
+        raise ConfigError(f"file {path}: a list, not a configuration; {RESTORE}")
     _refuse_interpolations(path, OmegaConf.to_container(loaded, resolve=False))
     return with_new_names(loaded)
 

@@ -15,7 +15,7 @@ from camp import __version__
 from camp.algo.models import GaussianActor
 from camp.build import build_robot, load_run
 from camp.common.errors import ConfigError
-from camp.common.files import whole_file, write_text
+from camp.common.files import whole_pair
 from camp.config.schema import Config
 from camp.deployment.onnx_graph import OPSET, ExportError, largest_difference, policy_graph, require_packages
 from camp.envs.observations import entries_of
@@ -96,11 +96,11 @@ def export_policy(run: Path, output: Path) -> Exported:
         )
     paths = output / MODEL, output / METADATA
     try:
-        with whole_file(paths[0]) as file:
-            file.write(model.SerializeToString())
+        with whole_pair(*paths) as (graph, beside):
+            graph.write(model.SerializeToString())
+            beside.write((json.dumps(described, indent=2) + "\n").encode())
     except OSError as error:
         raise ConfigError(f"output {output}: {error.strerror or error}; choose a folder that can be written") from error
-    write_text(paths[1], json.dumps(described, indent=2) + "\n")
     return Exported(*paths, difference)
 
 

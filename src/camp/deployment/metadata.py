@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 import reprlib
 from collections.abc import Mapping
 from typing import Any
 
 from camp.common.errors import CampError
+from camp.common.foreign import first_line, read_json
 from camp.robots.quadruped import JOINT_NAMES, NUM_JOINTS
 from camp.robots.registry import DEFAULT_ROBOT, ROBOTS
 
@@ -32,9 +32,9 @@ def read_metadata(properties: Mapping[str, str]) -> dict[str, Any]:
     metadata: dict[str, Any] = {"robot": DEFAULT_ROBOT}
     for key, text in properties.items():
         try:
-            metadata[key] = json.loads(text)
+            metadata[key] = read_json(text)
         except ValueError as error:
-            raise _unusable(key, text, "not JSON") from error
+            raise _unusable(key, text, f"not JSON ({first_line(error)})") from error
     for key, (holds, expected) in _EXPECTED.items():
         if key not in metadata:
             raise CampError(f"metadata {key}: missing; export the policy again")

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import zipfile
-import zlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -13,8 +11,11 @@ from typing import Any
 from omegaconf import OmegaConf
 
 from camp.build import load_run, motion_folder
+from camp.common.archive import read_arrays
+from camp.common.commands import command
 from camp.common.errors import CheckpointError, ConfigError
 from camp.common.files import write_text
+from camp.common.foreign import foreign_file, read_json
 from camp.common.paths import shipped_motions
 from camp.config.resolve import as_yaml, load_run_config
 from camp.config.schema import Config
@@ -71,7 +72,7 @@ def ship_policy(run: Path, folder: Path, minutes: float | None = None) -> Path:
 
 def _evaluation(run: Path, iteration: int) -> Report:
     """The whole evaluation of exactly this policy. Raises CampError where there is none."""
-    remedy = f"run `python -m camp.evaluate run={run}` first"
+    remedy = f"run `{command('camp.evaluate', run=run)}` first"
     for name in EVALUATION_FILES:
         if not (run / name).is_file():
             raise ConfigError(f"run folder {run}: holds no {name}; {remedy}")
@@ -83,29 +84,18 @@ def _evaluation(run: Path, iteration: int) -> Report:
     lacking = [key for key in JUDGED if not getattr(report, key)]
     if lacking:
         raise ConfigError(f"run folder {run}: {REPORT} is of a partial evaluation, without {lacking[0]}; {remedy}")
-    if _damaged_archive(run / ARRAYS):
-        raise ConfigError(f"run folder {run}: {ARRAYS} is damaged; {remedy}")
+    with foreign_file(run / ARRAYS, f"run folder {run}: {ARRAYS} is damaged", remedy, ConfigError):
+        read_arrays(run / ARRAYS)
     return report
-
-
-def _damaged_archive(path: Path) -> bool:
-    try:
-        with zipfile.ZipFile(path) as archive:
-            return archive.testzip() is not None
-    except (OSError, zipfile.BadZipFile, zlib.error):
-        return True
 
 
 def _epochs(path: Path) -> list[dict[str, Any]] | None:
     """The learning curve of the imitation; None for a run without. Raises CheckpointError where it is damaged."""
     if not path.is_file():
         return None
-    try:
-        return [rounded(json.loads(line)) for line in path.read_text().splitlines()]
-    except (OSError, ValueError, TypeError, AttributeError) as error:
-        raise CheckpointError(
-            f"file {path}: no learning curve ({error}); restore the file, or delete it to ship without"
-        ) from error
+    remedy = "restore the file, or delete it to ship without"
+    with foreign_file(path, f"file {path}: no learning curve", remedy, CheckpointError):
+        return [rounded(read_json(line)) for line in path.read_text(encoding="utf-8").splitlines()]
 
 
 def _portable(config: Config) -> Config:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from camp.common.commands import command
 from camp.common.errors import CheckpointError
+from camp.common.foreign import foreign_file, read_json
 from camp.config.schema import Config
 from camp.evaluation.report import Report
 from camp.evaluation.tables import verdict_markdown
@@ -79,14 +79,12 @@ class Provenance:
 def provenance(run: Path, iteration: int, config: Config, minutes: float | None) -> Provenance:
     """Read how the run folder's policy was made. Raises CheckpointError where the record is missing or broken."""
     path = run / VERSIONS
-    try:
-        versions = json.loads(path.read_text())
+    with foreign_file(path, f"file {path}: missing or incomplete", "name a complete run folder", CheckpointError):
+        versions = read_json(path.read_bytes())
         packages = versions["packages"]
         shortened = {key: versions[key] for key in ("camp", "git", "python", "cpu_count", "started")}
         shortened["packages"] = {name: packages[name] for name in PACKAGES if name in packages}
         shortened["command"] = _command(versions["command"])
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise CheckpointError(f"file {path}: missing or incomplete ({error}); name a complete run folder") from error
     rows = read_metrics(run / METRICS)
     if not rows or rows[-1].get("steps") is None:
         raise CheckpointError(f"metrics {run / METRICS}: hold no iteration; train the run further")
@@ -167,4 +165,4 @@ def _rounded(value: Any) -> Any:
 def _command(argv: Sequence[str]) -> str:
     """The training command as it is typed, without arguments that only name places or the logger."""
     kept = [argument for argument in argv[1:] if not argument.lstrip("+").startswith(_PLACES)]
-    return shlex.join(["python", "-m", "camp.train", *kept])
+    return command("camp.train", *kept)

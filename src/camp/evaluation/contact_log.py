@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import csv
-import zipfile
-import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +10,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from camp.common.archive import read_arrays
 from camp.common.errors import CampError
+from camp.common.foreign import foreign_file
 from camp.metrics.contact import hysteresis
 from camp.robots.quadruped import FOOT_NAMES
 
@@ -22,6 +22,7 @@ JITTER = 0.1  # fraction of the period by which rows may be off before they are 
 OFF_SHARE = 0.5  # contact by force ends below this fraction of the threshold
 HEIGHTS = tuple(f"{foot}_height" for foot in FOOT_NAMES)
 SKILL = "skill"
+EITHER = "give a CSV or an NPZ"
 
 
 @dataclass(frozen=True)
@@ -104,11 +105,11 @@ def _feet(path: Path, columns: Mapping[str, NDArray]) -> NDArray[np.floating]:
 
 
 def _read_csv(path: Path) -> dict[str, NDArray]:
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = list(csv.reader(file))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise _unusable(path, f"cannot be read ({error})", "give a CSV or an NPZ") from error
+    with (
+        foreign_file(path, f"contact log {path}: cannot be read", EITHER, CampError),
+        path.open(newline="", encoding="utf-8-sig") as file,
+    ):
+        rows = list(csv.reader(file))
     if not rows:
         raise _unusable(path, "is empty", "give a heading and rows")
     heading = [name.strip() for name in rows[0]]
@@ -132,12 +133,8 @@ def _column(path: Path, name: str, texts: Sequence[str]) -> NDArray:
 
 
 def _read_npz(path: Path) -> dict[str, NDArray]:
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-        reason = (str(error) or type(error).__name__).splitlines()[0]
-        raise _unusable(path, f"cannot be read ({reason})", "give a CSV or an NPZ") from error
+    with foreign_file(path, f"contact log {path}: cannot be read", EITHER, CampError):
+        arrays = read_arrays(path)
     columns = {name: arrays[name] for name in ("time", SKILL) if name in arrays}
     for key, names in (("contact", FOOT_NAMES), ("force", FOOT_NAMES), ("height", HEIGHTS)):
         if key in arrays:

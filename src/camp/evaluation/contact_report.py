@@ -8,7 +8,6 @@ from typing import Literal
 
 import numpy as np
 from pydantic import TypeAdapter
-from rich.console import Group
 from rich.table import Table
 
 from camp.common.errors import CampError
@@ -97,7 +96,7 @@ def contact_json(report: ContactReport) -> str:
     return TypeAdapter(ContactReport).dump_json(report, indent=2).decode() + "\n"
 
 
-def contact_tables(report: ContactReport) -> Group:
+def contact_tables(report: ContactReport) -> list[Table]:
     """The report as printed."""
     headings = ("s", "Hz", "duty FL FR RL RR", "phase FL FR RL RR", "flight", "touches", "lifts", "fails")
     stretches = table(
@@ -126,7 +125,7 @@ def contact_tables(report: ContactReport) -> Group:
         whole = table("the whole log", ("asked for",), ("right", "fails"))
         whole.add_row(report.skill, "no" if report.failed else "yes", ", ".join(report.failed) or "nothing")
         shown.append(whole)
-    return Group(*shown)
+    return shown
 
 
 def _row(values: list[float] | list[float | None] | None) -> str:

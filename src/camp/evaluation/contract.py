@@ -11,6 +11,7 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from camp.common.errors import CampError
+from camp.common.foreign import foreign_file, read_json
 from camp.gaits.schedule import GAIT_PHASES
 from camp.gaits.skills import Skill
 from camp.robots.quadruped import JOINT_NAMES, NUM_JOINTS
@@ -113,12 +114,16 @@ def parse_skill(name: str) -> Skill:
 
 def read_contract(path: Path) -> Contract:
     """Read and check a contract file. Raises CampError in one line."""
+    remedy = "see docs/judge.md for what to write"
+    with foreign_file(path, f"contract {path}: cannot be read", remedy, CampError):
+        text = path.read_bytes()
     try:
-        return TypeAdapter(Contract).validate_json(path.read_bytes())
-    except OSError as error:
-        raise CampError(f"contract {path}: {error.strerror or error}; see docs/judge.md for what to write") from error
+        contract = TypeAdapter(Contract).validate_json(text)
     except ValidationError as error:
         raise CampError(f"contract {path}: {first_problem(error)}; docs/judge.md lists the keys") from error
+    with foreign_file(path, f"contract {path}: cannot be used", remedy, CampError):
+        read_json(text)  # whose numbers are finite
+    return contract
 
 
 def first_problem(error: ValidationError) -> str:

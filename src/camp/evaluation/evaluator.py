@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from camp.common.errors import ConfigError
+from camp.common.progress import Track, silently
 from camp.evaluation import arrays, gait
 from camp.evaluation.config import NEEDS_GRID, EvaluationConfig
 from camp.evaluation.contract import Contract
@@ -19,7 +20,7 @@ from camp.evaluation.recording import Recording, record
 from camp.evaluation.reference import summarize_reference
 from camp.evaluation.report import FORMAT, Report
 from camp.evaluation.robustness import summarize_robustness
-from camp.evaluation.rollout import Progress, Setting, Trace, roll_out
+from camp.evaluation.rollout import Setting, Trace, roll_out
 from camp.evaluation.style import summarize_style
 from camp.evaluation.suite import stamp
 from camp.evaluation.switching import find_switches, summarize_switching
@@ -61,11 +62,11 @@ class Evaluator:
     Args:
         evaluation: what to do.
         clips: the expert's.
-        progress: told after every control step.
+        track: shows how far the work is.
     """
 
-    def __init__(self, evaluation: EvaluationConfig, clips: list[Clip], progress: Progress | None = None):
-        self.evaluation, self.clips, self._progress = evaluation, clips, progress
+    def __init__(self, evaluation: EvaluationConfig, clips: list[Clip], track: Track = silently):
+        self.evaluation, self.clips, self._track = evaluation, clips, track
 
     def judge(self, subject: Subject) -> Judgement:
         """All parts of the evaluation. Raises ConfigError for a skill of which there are no clips."""
@@ -96,7 +97,7 @@ class Evaluator:
             seed=evaluation.seed,
             threads=evaluation.threads,
         )
-        traces = roll_out(jobs, setting, self._progress)
+        traces = roll_out(jobs, setting, self._track)
         readers = {
             "walks": self._read_walks,
             "table_i": self._read_table_i,
@@ -104,7 +105,7 @@ class Evaluator:
             "switching": self._read_switching,
             "robustness": self._read_robustness,
         }
-        for name, trace in zip(plans, traces, strict=False):
+        for name, trace in self._track(list(zip(plans, traces, strict=False)), "measuring, parts"):
             readers[name](trace, planner, clips, result)
         for name, trace in zip(subject.baselines, traces[len(plans) :], strict=True):
             result.report.policies[name] = gait.summarize(self._read(record(trace), planner))

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from camp.common.errors import CampError
+from camp.common.progress import track
 from camp.evaluation.config import EvaluationConfig
 from camp.evaluation.evaluator import Judgement
 from camp.evaluation.robot import ROBOT
@@ -34,7 +35,8 @@ def film(judgement: Judgement, skills: Sequence[str], evaluation: EvaluationConf
         films["switching"] = (switching.qpos[0], switching.period_s)
     written = {}
     for name, (poses, period_s) in films.items():
-        path, frames = folder / f"{name}.mp4", map(renderer.frame, poses[::STEPS_PER_FRAME])
+        path = folder / f"{name}.mp4"
+        frames = map(renderer.frame, track(poses[::STEPS_PER_FRAME], f"filming {name}, pictures"))
         try:
             write_video(path, frames, 1.0 / (STEPS_PER_FRAME * period_s))
         except (OSError, RuntimeError) as error:  # imageio reports a missing ffmpeg as RuntimeError

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rich.table import Table
 
-from camp.evaluation.cells import cell, fraction_cells, percent, table
+from camp.evaluation.cells import cell, fraction_cells, of_estimate, percent, table, worst_first
 from camp.evaluation.report import ConditionSummary, JointReference, ReferenceSummary, SwitchGroup, SwitchingSummary
 
 _KINDS = ("thigh", "calf")
@@ -29,16 +29,19 @@ def switching_table(switching: SwitchingSummary) -> Table:
     result = table(title, ("switch",), headings + peaks)
     rows = {f"changes {name}": part for name, part in switching.by_change.items()}
     rows |= {f"to {name}": part for name, part in switching.to_skill.items()}
+    rows = worst_first(rows, lambda part: of_estimate(part.completed))
     for name, part in (rows | {"all": switching.all}).items():
         result.add_row(name, str(part.switches), *_switch(part))
     return result
 
 
-def robustness_table(robustness: dict[str, ConditionSummary]) -> Table:
-    """One row per disturbance."""
+def robustness_table(robustness: dict[str, ConditionSummary], most: int | None = None) -> Table:
+    """One row per disturbance, the worst first, at most so many."""
     headings = ("n", "gait right", "95 %", "weakest skill", "falls", "v err m/s", "yaw err rad/s")
-    result = table("one disturbance at a time", ("condition",), headings)
-    for name, part in robustness.items():
+    shown = worst_first(robustness, lambda part: of_estimate(part.gait_accuracy), most)
+    some = f", the worst {len(shown)} of {len(robustness)}" if len(shown) < len(robustness) else ""
+    result = table(f"one disturbance at a time{some}", ("condition",), headings)
+    for name, part in shown.items():
         weakest = min(part.skills, key=part.skills.__getitem__)
         result.add_row(
             name,

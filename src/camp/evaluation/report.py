@@ -14,6 +14,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from camp.common.errors import CampError
 from camp.common.files import write_text
+from camp.common.foreign import foreign_file, read_json
 from camp.metrics.statistics import Verdict
 
 FORMAT: Literal[2] = 2  # of eval.json; 1 had neither suite nor intervals
@@ -278,11 +279,12 @@ def write_report(path: Path, report: Report) -> None:
 
 def read_report(path: Path, remedy: str) -> Report:
     """Read eval.json. Raises ReportError in one line for a file that is missing, damaged or of an older format."""
-    try:
+    with foreign_file(path, f"report {path}: cannot be read", remedy, ReportError):
         text = path.read_bytes()
-    except OSError as error:
-        raise ReportError(f"report {path}: {error.strerror or error}; {remedy}") from error
-    return parse_report(text, path, remedy)
+    report = parse_report(text, path, remedy)
+    with foreign_file(path, f"report {path}: cannot be used", remedy, ReportError):
+        read_json(text)  # whose numbers are finite
+    return report
 
 
 def parse_report(text: bytes, path: Path, remedy: str) -> Report:

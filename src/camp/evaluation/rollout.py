@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +10,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from camp.common.progress import Track, silently
 from camp.common.seeding import generator
 from camp.envs.config import NoiseConfig, TerminationConfig
 from camp.envs.measurement import Measurement, measure
@@ -22,7 +23,6 @@ from camp.sim.base import RobotState
 from camp.sim.divergence import diverged
 
 FALL = TerminationConfig(body_contact_force_n=1.0, tilt_rad=0.8)  # as in training; AMP on A1
-Progress = Callable[[int, int], None]  # control steps done, and in all
 Floats = NDArray[np.floating]
 
 
@@ -55,9 +55,7 @@ class Trace:
     steps_upright: NDArray[np.integer]  # (R,) T where it never fell
 
 
-def roll_out(
-    jobs: Sequence[tuple[Plan, Controller]], setting: Setting, progress: Progress | None = None
-) -> list[Trace]:
+def roll_out(jobs: Sequence[tuple[Plan, Controller]], setting: Setting, track: Track = silently) -> list[Trace]:
     """Run every plan by its controller, all in one batch; what one plan draws at random does not depend on another."""
     whole = joined("batch", [plan for plan, _ in jobs])
     ends = np.cumsum([len(plan) for plan, _ in jobs]).tolist()
@@ -76,7 +74,7 @@ def roll_out(
         notes = _Notes(num, steps, sim)
         target, change, floor = torch.zeros(num, 12), torch.zeros(num, 3), on_floor(num)
         held = whole.starts.joint_target.clone()
-        for step in range(steps):
+        for step in track(range(steps), "walking, control steps"):
             true = measure(setting.robot, sim.state)
             for rows, _, controller, disturbances in groups:
                 seen = disturbances.sensed(_rows(true, rows))
@@ -92,8 +90,6 @@ def roll_out(
             notes.take(step, target, sim, fell)
             if fell.any():
                 sim.reset(fell, floor)
-            if progress is not None:
-                progress(step + 1, steps)
     finally:
         sim.close()
     return [notes.trace(setting, plan, rows) for rows, plan, _, _ in groups]

@@ -7,10 +7,11 @@ from collections.abc import Callable, Sequence
 from rich.console import Group
 from rich.table import Table
 
-from camp.evaluation.cells import cell, fraction_cells, percent, table
+from camp.evaluation.cells import cell, fitted, fraction_cells, of_estimate, percent, table, worst_first
 from camp.evaluation.motion_tables import reference_table, robustness_table, switching_table
 from camp.evaluation.report import (
     Finding,
+    GaitSummary,
     PolicySummary,
     QualitySummary,
     Report,
@@ -19,43 +20,60 @@ from camp.evaluation.report import (
     TrackingSummary,
 )
 
+VERDICTS = ("missed", "not shown", "shown")  # in the order of the printed table
+WORST = 6  # disturbances that are printed unless all are asked for
 
-def printed(report: Report) -> Group:
-    """All tables for the parts that the report has, the verdict last."""
+
+def printed(report: Report, width: int, everything: bool = True) -> Group:
+    """The report's tables, in ``width`` characters: the verdict, and what it is about; or ``everything``.
+
+    Failures and the worst rows come first.
+    """
     tables: list[Table] = []
+    if report.verdict:
+        title = f"verdict, suite {report.suite.name} ({report.suite.digest})"
+        tables.append(verdict_table(sorted(report.verdict, key=lambda one: VERDICTS.index(one.verdict)), title))
     if report.policies:
         tables.append(_gaits(report))
+    if report.table_i is not None:
+        tables.append(_table_i(report.table_i))
+    if report.switching is not None:
+        tables.append(switching_table(report.switching))
+    if report.robustness:
+        tables.append(robustness_table(report.robustness, None if everything else WORST))
+    if everything:
+        tables += _further(report)
+    return Group(*(part for whole in tables for part in fitted(whole, width)))
+
+
+def _further(report: Report) -> list[Table]:
+    """What explains the figures."""
+    tables: list[Table] = []
     if "trained" in report.policies:
         tables.append(_reasons(report.policies["trained"], "nominal"))
     if report.table_i is not None:
-        tables += [_table_i(report.table_i), _reasons(report.table_i.walks, "Table I"), _friction(report.table_i)]
+        tables += [_reasons(report.table_i.walks, "Table I"), _friction(report.table_i)]
     parts: list[tuple[object, Callable[..., Table]]] = [
         (report.tracking, _tracking),
         (report.quality, _quality),
         (report.reference, reference_table),
         (report.style, _style),
-        (report.switching, switching_table),
-        (report.robustness, robustness_table),
     ]
-    tables += [make(part) for part, make in parts if part]
-    if report.verdict:
-        tables.append(verdict_table(report.verdict, f"verdict, suite {report.suite.name} ({report.suite.digest})"))
-    return Group(*tables)
+    return [*tables, *(make(part) for part, make in parts if part)]
 
 
 def verdict_table(findings: Sequence[Finding], title: str) -> Table:
     """Every target with figure, interval, sample and what they show."""
-    result = table(title, ("target",), ("asked for", "reached", "95 % interval", "n", "", "of"))
+    result = table(title, ("target",), ("", "asked for", "reached", "95 %", "n"))
     for finding in findings:
-        bound = "at least" if finding.at_least else "at most"
+        bound = ">=" if finding.at_least else "<="
         result.add_row(
-            finding.name,
+            finding.name + (f"\n({finding.note})" if finding.note else ""),
+            finding.verdict,
             f"{bound} {finding.target:g}",
             cell(finding.reached, ".3f"),
-            "-" if finding.low is None else f"{finding.low:.3f} to {finding.high:.3f}",
+            "-" if finding.low is None else f"{finding.low:.3f}-{finding.high:.3f}",
             str(finding.n),
-            finding.verdict,
-            finding.note,
         )
     return result
 
@@ -74,12 +92,16 @@ def verdict_markdown(findings: Sequence[Finding]) -> str:
     return "\n".join(lines)
 
 
+def _right(part: GaitSummary) -> float | None:
+    return of_estimate(part.gait_accuracy)
+
+
 def _gaits(report: Report) -> Table:
     """One row per policy, for the first one also a row per skill."""
-    headings = ("n", "gait right", "95 %", "falls", "stepping", "Hz", "expert Hz", "duty", "flight", "touches")
-    result = table("gaits, nominal", ("policy", "skill"), (*headings, "v err m/s", "yaw err rad/s"))
+    headings = ("n", "gait right", "95 %", "falls", "Hz", "expert Hz", "v err m/s", "yaw err rad/s")
+    result = table("gaits, nominal", ("policy", "skill"), (*headings, "stepping", "duty", "flight", "touches"))
     for policy, summary in report.policies.items():
-        skills = summary.skills if policy == "trained" else {}
+        skills = worst_first(summary.skills, _right) if policy == "trained" else {}
         for skill, part in (skills | {"all": summary.all}).items():
             expert = report.expert.get(skill) if policy == "trained" else None
             result.add_row(
@@ -88,14 +110,14 @@ def _gaits(report: Report) -> Table:
                 str(part.rollouts),
                 *fraction_cells(part.gait_accuracy),
                 str(part.falls),
-                percent(part.stepping),
                 cell(part.frequency_hz, ".2f"),
                 cell(expert.frequency_hz if expert else None, ".2f"),
+                cell(part.linear_error_m_s, ".3f"),
+                cell(part.yaw_rate_error_rad_s, ".3f"),
+                percent(part.stepping),
                 cell(part.duty, ".2f"),
                 cell(part.flight_fraction, ".2f"),
                 cell(part.touches_per_stride, ".2f"),
-                cell(part.linear_error_m_s, ".3f"),
-                cell(part.yaw_rate_error_rad_s, ".3f"),
                 end_section=skill == "all",
             )
     return result
@@ -115,7 +137,7 @@ def _reasons(walks: PolicySummary, condition: str) -> Table:
 def _table_i(found: TableI) -> Table:
     headings = ("n", "gait right", "95 %", "falls", "v err m/s", "yaw err rad/s")
     result = table("the whole of Table I, sensor noise and pushes at once", ("skill",), headings)
-    for skill, part in (found.walks.skills | {"all": found.walks.all}).items():
+    for skill, part in (worst_first(found.walks.skills, _right) | {"all": found.walks.all}).items():
         result.add_row(
             skill,
             str(part.rollouts),

@@ -7,11 +7,10 @@ with the highest number. A process killed at any moment leaves every finished ch
 from __future__ import annotations
 
 import contextlib
-import pickle
+import math
 import re
 import textwrap
 import zipfile
-import zlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -21,25 +20,14 @@ from torch import Tensor
 
 from camp.common.errors import CheckpointError
 from camp.common.files import PARTIAL, whole_file
+from camp.common.foreign import first_line, foreign_file
 from camp.runs.folder import CHECKPOINTS
 
 FORMAT = "camp-checkpoint"
 FORMAT_VERSION = 1
+MOST_UNPACKED = 2  # times the file's size; torch does not compress
 
 _NAME = re.compile(r"checkpoint_(\d{8,})\.pt")
-_UNREADABLE = (
-    OSError,
-    RuntimeError,
-    ValueError,
-    TypeError,
-    AttributeError,
-    EOFError,
-    LookupError,
-    pickle.PickleError,
-    zipfile.BadZipFile,
-    zlib.error,
-)
-
 #: What reading entries of a state raises where it is not built as expected.
 INCOMPATIBLE = (LookupError, RuntimeError, TypeError, ValueError, AttributeError, ArithmeticError)
 
@@ -57,7 +45,7 @@ def save_checkpoint(path: Path, state: Mapping[str, Any]) -> Path:
             torch.save({"format": FORMAT, "version": FORMAT_VERSION, "state": dict(state)}, file)
     except (OSError, RuntimeError) as error:  # torch reports a full disk as RuntimeError
         raise CheckpointError(
-            f"checkpoint {path}: could not be written ({_first_line(error)}); free some space or choose another folder"
+            f"checkpoint {path}: could not be written ({first_line(error)}); free some space or choose another folder"
         ) from error
     return path
 
@@ -121,17 +109,18 @@ def incompatible(run: Path, error: Exception) -> CheckpointError:
 
 
 def _read(path: Path, device: torch.device | str) -> dict[str, Any]:
-    try:
+    # As large as its networks: what it unpacks to is bounded instead.
+    with foreign_file(
+        path, f"checkpoint {path}: truncated, damaged or not a checkpoint", "", CheckpointError, largest=math.inf
+    ):
         with zipfile.ZipFile(path) as archive:
+            if sum(info.file_size for info in archive.infolist()) > MOST_UNPACKED * path.stat().st_size:
+                raise ValueError("unpacks to many times its size")
             # torch does not compare the stored check sums: a flipped bit would pass as a weight.
             damaged = archive.testzip()
         if damaged is not None:
             raise zipfile.BadZipFile(f"wrong check sum of {damaged}")
         content = torch.load(path, map_location=device, weights_only=True, mmap=False)
-    except _UNREADABLE as error:
-        raise CheckpointError(
-            f"checkpoint {path}: truncated, damaged or not a checkpoint ({_first_line(error)})"
-        ) from error
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise CheckpointError(f"checkpoint {path}: not written by camp")
     if content.get("version") != FORMAT_VERSION:
@@ -184,7 +173,3 @@ def _what_differs(error: Exception) -> str:
     # torch tells the network first and then, line by line, what differs: one example is enough.
     network = lines[0].removeprefix("Error(s) in loading state_dict for ")
     return textwrap.shorten(" ".join([network, *lines[1:2]]), 160, placeholder=" ...")
-
-
-def _first_line(error: BaseException) -> str:
-    return (str(error).strip().splitlines() or [type(error).__name__])[0]

@@ -13,6 +13,7 @@ from typing import Any
 
 from camp.common.errors import CheckpointError
 from camp.common.files import write_text
+from camp.common.foreign import first_line, foreign_file, read_json
 
 Metric = float | list[float]  # a list: a histogram's fractions, in the bins of camp.common.histogram
 
@@ -24,20 +25,19 @@ def metrics_line(iteration: int, metrics: Mapping[str, Metric]) -> str:
 
 def read_metrics(path: Path) -> list[dict[str, Any]]:
     """The lines of a metrics.jsonl; a last line torn by a kill is left out. Raises CheckpointError."""
-    try:
+    with foreign_file(path, f"metrics {path}: unreadable", "name a complete run folder", CheckpointError):
         lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
-    except (OSError, UnicodeDecodeError) as error:
-        raise CheckpointError(f"metrics {path}: unreadable ({error}); name a complete run folder") from error
     rows = []
     for number, line in enumerate(lines, start=1):
         try:
-            row = json.loads(line)
+            row = read_json(line)
             rows.append(row | {"iteration": int(row["iteration"])})
         except (ValueError, TypeError, KeyError) as error:
             if number == len(lines) and not line.endswith("\n"):
                 break
             raise CheckpointError(
-                f"metrics {path} line {number}: not a metrics line; restore the file or remove that line"
+                f"metrics {path} line {number}: not a metrics line ({first_line(error)}); restore the file or "
+                "remove that line"
             ) from error
     return rows
 

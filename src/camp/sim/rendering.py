@@ -55,7 +55,14 @@ class RobotRenderer:
 
 
 def write_video(path: Path, frames: Iterable[np.ndarray], frames_per_second: float) -> None:
-    """Write frames (height, width, 3) uint8 as an H.264 mp4."""
-    with imageio.get_writer(path, fps=frames_per_second, codec="libx264", quality=7, macro_block_size=2) as writer:
-        for frame in frames:
-            writer.append_data(frame)  # pyright: ignore[reportAttributeAccessIssue]
+    """Write frames (height, width, 3) uint8 as an H.264 mp4, which takes its name once it is whole."""
+    partial = path.with_name(f".{path.stem}.partial.mp4")
+    try:
+        with imageio.get_writer(
+            partial, fps=frames_per_second, codec="libx264", quality=7, macro_block_size=2
+        ) as writer:
+            for frame in frames:
+                writer.append_data(frame)  # pyright: ignore[reportAttributeAccessIssue]
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import json
 import os
-import shlex
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 
 from camp.build import Training, build_training
 from camp.common import distributed
-from camp.common.commands import command
+from camp.common.commands import command, torchrun
 from camp.common.errors import CheckpointError, ConfigError
 from camp.common.files import folder_lock, write_text
+from camp.common.progress import phase
 from camp.common.seeding import seed_everything
 from camp.common.threads import set_threads
 from camp.config.resolve import as_yaml, load_run_config
@@ -87,7 +87,8 @@ def resume(folder: Path, overrides: Sequence[str]) -> Path:
 def _training(config: Config) -> Iterator[Training]:
     set_threads(config.sim.threads)
     seed_everything(config.seed)
-    training = build_training(config)
+    with phase("reading clips and building the robots") if distributed.is_first() else nullcontext():
+        training = build_training(config)
     try:
         yield training
     finally:
@@ -123,13 +124,14 @@ def _run(runner: Runner, logger: RunLogger | NoLogger) -> None:
             f"stopped at iteration {runner.iteration}; continue with: {_command(runner.folder, distributed.size())}"
         )
         raise KeyboardInterrupt
+    distributed.announce(f"trained; evaluate it with: {command('camp.evaluate', run=runner.folder)}")
 
 
 def _command(folder: Path, ranks: int) -> str:
     """How the training in a run folder is continued, for messages."""
     if ranks == 1:
         return command("camp.train", resume=folder)
-    return shlex.join(["torchrun", f"--nproc-per-node={ranks}", "-m", "camp.train", f"resume={folder}"])
+    return torchrun(ranks, "camp.train", resume=folder)
 
 
 def _preloaded(training: Training) -> str:

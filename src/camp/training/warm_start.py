@@ -9,13 +9,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from rich.progress import Progress, track
 
 from camp.algo.imitation import ImitationLoss, imitate
 from camp.build import Training
 from camp.common import distributed
+from camp.common.commands import command
 from camp.common.errors import ClipError
 from camp.common.files import folder_lock
+from camp.common.progress import track
 from camp.common.seeding import generator
 from camp.config.schema import Config
 from camp.gaits import schedule
@@ -49,7 +50,7 @@ def warm_start(training: Training, config: Config) -> list[dict[str, float]]:
         return []
     data = imitation_data(perturbed_clips(config), config, training.device)
     steps = imitate(training.ppo.actor, data, imitation, generator(config.seed, "imitation", training.device))
-    metrics = list(track(steps, "imitating the expert", total=imitation.epochs))
+    metrics = list(track(steps, "imitating the expert, epochs", imitation.epochs))
     print(f"imitation: {len(data.observation):,} pairs, loss {metrics[-1]['imitation/loss']:.4f}", flush=True)
     return metrics
 
@@ -83,11 +84,11 @@ def perturbed_clips(config: Config) -> list[Clip]:
     made = [path for path in (folder / f"{request.name}.npz" for request in requests) if path.is_file()]
     # A few noisy clips end in a fall and are not kept; many would mean that something is wrong.
     if len(made) < 0.7 * len(requests):
+        options = {"robot": robot.name, "count": wanted.perturbed_clips, "seed": PERTURBED_SEED, "folder": folder}
+        words = [word for name, value in options.items() for word in (f"--{name}", str(value))]
         raise ClipError(
             f"perturbed clips in {folder}: {len(made)} of {len(requests)} could be made; see why with "
-            f"`python -m camp.dataset perturbed --robot {robot.name} --count {wanted.perturbed_clips} "
-            f"--seed {PERTURBED_SEED} --folder {folder}`, "
-            "or train with run=scratch"
+            f"`{command('camp.dataset', 'perturbed', *words)}`, or train with run=scratch"
         )
     clips = [load_clip(path) for path in made]
     return [one for clip in clips for one in (clip, _under_way(mirrored(clip)))] if wanted.mirrored else clips
@@ -100,12 +101,11 @@ def _generate_missing(robot: Robot, requests: list[ClipRequest], folder: Path) -
     wanted = [request for request in requests if request.name not in failed]
     if all((folder / f"{request.name}.npz").is_file() for request in wanted):
         return
-    with Progress() as progress, note.open("a") as file:
-        task = progress.add_task(f"perturbed clips in {folder}", total=len(wanted))
-        for outcome in generate_dataset(robot, wanted, folder, workers=os.cpu_count() or 1):
+    outcomes = generate_dataset(robot, wanted, folder, workers=os.cpu_count() or 1)
+    with note.open("a") as file:
+        for outcome in track(outcomes, f"generating perturbed clips in {folder}", len(wanted)):
             if outcome.status == "failed":
                 file.write(f"{outcome.request.name}\n")
-            progress.advance(task)
 
 
 def _under_way(clip: Clip) -> Clip:

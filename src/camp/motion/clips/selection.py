@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from camp.common.commands import command
 from camp.common.errors import ClipError
 from camp.gaits.schedule import GRID_STEPS
 from camp.gaits.skills import FREQUENCY_TOLERANCE, Skill, is_near, label_of, skill_set
@@ -53,7 +54,7 @@ def _nothing_shows(
     found = sorted({(label.gait, label.frequency_hz) for label in labels})
     if not found:
         return f"no clip in {folder} is for training ({', '.join(TRAINING_SPLITS)}); generate some with " + (
-            f"`python -m camp.dataset --folder {folder}`"
+            f"`{command('camp.dataset', '--folder', str(folder))}`"
         )
     wanted = [skill.frequency_hz] if skill.frequency_hz is not None else frequencies_hz
     return (

@@ -13,11 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from camp.common.archive import read_arrays
+from camp.common.commands import command
 from camp.common.errors import ClipError
 from camp.common.files import whole_file
 from camp.common.foreign import foreign_file
 from camp.gaits.skills import Skill
-from camp.motion.clips.archive import read_arrays
 from camp.motion.clips.clip import SPLITS, TRAINING_SPLITS, Clip
 from camp.motion.clips.consistency import guard_checks
 from camp.motion.clips.layout import COUNTS, FIELDS, NAMES, find_problem, split_of
@@ -157,5 +158,6 @@ def _refuse_inconsistent(robot: Robot, path: Path, clip: Clip) -> None:
     failed = [str(check) for check in guard_checks(robot, clip) if not check.passed]
     if failed:
         raise ClipError(
-            f"clip {path}: {'; '.join(failed)}; see what is wrong with `python -m camp.dataset validate {path.parent}`"
+            f"clip {path}: {'; '.join(failed)}; see what is wrong with "
+            f"`{command('camp.dataset', 'validate', str(path.parent))}`"
         )

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.lib import format as npy
 
-LARGEST_ARRAYS = 2**26  # bytes of all arrays together; a clip of an hour takes half of it
+LARGEST_ARRAYS = 2**26  # bytes of all arrays together; a clip of an hour takes half of it, a full evaluation a tenth
 _SUFFIX = ".npy"
 
 
