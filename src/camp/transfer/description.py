@@ -158,7 +158,8 @@ def _add_collisions(link: ElementTree.Element, model: mujoco.MjModel, geom: int)
             mujoco.mju_rotVecQuat(along, np.array([0.0, 0.0, end * size[1]]), turn)
             _add_shape(link, f"{name}_end{end:+.0f}", position + along, turn).append(_sphere(size[0]))
     else:
-        raise CampError(f"geom {name}: a {kind.name[7:].lower()} has no place in a URDF of primitives; use a capsule")
+        shape = kind.name.removeprefix("mjGEOM_").lower()
+        raise CampError(f"geom {name}: shape {shape} has no place in a URDF of primitives; use a capsule")
 
 
 def _add_shape(link: ElementTree.Element, name: str, position: Floats, turn: Floats) -> ElementTree.Element:

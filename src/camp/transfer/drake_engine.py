@@ -1,5 +1,8 @@
 """Drake: PD motors as part of the discrete solver, soft point contacts."""
 
+# Drake's own stubs write the types of arrays in a way that no array fits.
+# pyright: reportArgumentType=false, reportCallIssue=false
+
 from __future__ import annotations
 
 import logging

@@ -37,7 +37,7 @@ class SapienEngine:
         sapien.physx.set_default_material(friction, friction, 0.0)
         sapien.physx.set_shape_config(contact_offset=0.01, rest_offset=0.0)
         sapien.physx.set_scene_config(
-            gravity=np.array([0.0, 0.0, -GRAVITY]),
+            gravity=[0.0, 0.0, -GRAVITY],  # pyright: ignore[reportArgumentType]
             enable_pcm=True,
             enable_tgs=True,
             enable_friction_every_iteration=True,
@@ -96,8 +96,8 @@ class SapienEngine:
         one, joints = self._description, np.zeros(len(JOINT_NAMES), dtype=np.float32)
         joints[self._order] = one.default_pose
         self._robot.set_root_pose(sapien.Pose([0.0, 0.0, one.height]))
-        self._robot.set_root_linear_velocity(np.zeros(3))
-        self._robot.set_root_angular_velocity(np.zeros(3))
+        self._robot.set_root_linear_velocity([0.0, 0.0, 0.0])
+        self._robot.set_root_angular_velocity([0.0, 0.0, 0.0])
         self._robot.set_qpos(joints)
         self._robot.set_qvel(np.zeros_like(joints))
         self.set_targets(one.default_pose)
