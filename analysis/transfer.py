@@ -8,12 +8,13 @@ engines.png beside them.
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
 
 from analysis.style import INK, new_figure, save, skill_shades, style
 from camp.cli.key_values import key_values, run_command
@@ -44,7 +45,7 @@ def draw_engines(results: Sequence[Result]) -> Figure:
         figure = new_figure(SIZE)
         right, frequency, speed = figure.subplots(1, 3, sharey=True, width_ratios=(1.5, 1.2, 1.0))
         _draw_right(right, shown)
-        _draw_points(frequency, shown, _ratios)
+        _draw_points(frequency, shown, frequency_ratios)
         frequency.axvline(1.0, color=INK, linewidth=0.6)
         frequency.axvspan(1.0 - TOLERANCE, 1.0 + TOLERANCE, color=INK, alpha=0.06, linewidth=0)
         frequency.set_title("stride frequency")
@@ -53,7 +54,8 @@ def draw_engines(results: Sequence[Result]) -> Figure:
         speed.set_xlim(left=0.0)
         speed.set_title("velocity error")
         speed.set_xlabel("m/s")
-        figure.legend(*frequency.get_legend_handles_labels(), loc="outside lower center", ncols=8, handletextpad=0.1)
+        speed.xaxis.set_major_locator(MultipleLocator(0.1))
+        figure.legend(*frequency.get_legend_handles_labels(), loc="outside lower center", ncols=4, handletextpad=0.1)
     return figure
 
 
@@ -71,7 +73,13 @@ def _draw_right(axes: Axes, results: Sequence[Result]) -> None:
             fallen = f"\n{falls} fell" if falls else ""
             axes.text(column, row, f"{right}/{len(walks)}{fallen}", ha="center", va="center", fontsize=6.5)
     axes.imshow(share, cmap="RdYlGn", vmin=0.0, vmax=1.0, alpha=0.45, aspect="auto")
-    axes.set_xticks(range(len(skills)), [skill.replace("_", " ") for skill in skills], rotation=60, ha="right")
+    axes.set_xticks(
+        range(len(skills)),
+        [skill.replace("_", " ") for skill in skills],
+        rotation=60,
+        ha="right",
+        rotation_mode="anchor",
+    )
     axes.set_yticks(range(len(results)), [_name(result, results) for result in results])
     axes.set_title("walks that are right")
     axes.tick_params(length=0)
@@ -84,7 +92,7 @@ def _name(result: Result, results: Sequence[Result]) -> str:
     return f"{title}\n{result.robot} {result.policy}" if several else title
 
 
-def _draw_points(axes: Axes, results: Sequence[Result], values) -> None:
+def _draw_points(axes: Axes, results: Sequence[Result], values: Callable[[list[Judged]], list[float]]) -> None:
     """A point for each upright walk, every skill at a height and in a shade of its own."""
     skills = skills_of(results)
     for place, (skill, colour) in enumerate(skill_shades(skills).items()):
@@ -96,11 +104,9 @@ def _draw_points(axes: Axes, results: Sequence[Result], values) -> None:
         ]
         x, y = np.array(found).reshape(-1, 2).T
         axes.scatter(x, y, s=9.0, color=[colour], linewidths=0.0, label=skill.replace("_", " "))
+    for row in range(1, len(results)):
+        axes.axhline(row - 0.5, color=INK, alpha=0.15, linewidth=0.6)
     axes.tick_params(axis="y", length=0)
-
-
-def _ratios(walks: Sequence[Judged]) -> list[float]:
-    return frequency_ratios(walks)
 
 
 def _errors(walks: Sequence[Judged]) -> list[float]:

@@ -1,4 +1,4 @@
-"""Every engine holds the same robot: it stands, moves its joints by name, falls, and walks the shipped policy's trot."""
+"""Every engine holds the same robot: it stands, moves its joints by name, falls, and walks the shipped trot."""
 
 from __future__ import annotations
 
@@ -164,5 +164,5 @@ def test_engines_are_found_by_name_and_have_versions():
 def test_an_engine_that_is_not_installed_is_one_line(monkeypatch):
     monkeypatch.delitem(sys.modules, "camp.transfer.dart_engine", raising=False)
     monkeypatch.setitem(sys.modules, "dartpy", None)
-    with pytest.raises(CampError, match="package dartpy: not installed .*; install camp's extra `sim2sim`"):
+    with pytest.raises(CampError, match=r"package dartpy: not installed .*; install camp's extra `sim2sim`"):
         start_engine("dart", description())

@@ -19,7 +19,7 @@ from camp.transfer.engine import ENGINES
 from camp.transfer.results import Judged, Result
 
 TABLE_WIDTH = 80  # characters
-HEADINGS = ("n", "right", "95 %", "label", "falls", "Hz ratio", "v err", "yaw err")
+HEADINGS = ("n", "right, 95 %", "label", "falls", "Hz ratio", "v err", "yaw err")
 EXPLANATION = """right: upright, and every criterion of docs/judge.md; label: upright, and the
 gait's name. Hz ratio: stride frequency / commanded; v err in m/s, yaw err in
 rad/s: of the mean velocity. These three are means over the upright walks."""
@@ -102,7 +102,7 @@ def _cells(result: Result) -> list[str]:
     found = figures(result.walks)
     return [
         str(len(result.walks)),
-        *fraction_cells(found.right),
+        " ".join(fraction_cells(found.right)),
         percent(found.label.value if found.label else None),
         str(found.falls),
         cell(found.frequency_ratio, ".3f"),
