@@ -15,7 +15,7 @@ export MUJOCO_GL ?= $(if $(shell ldconfig -p 2>/dev/null | grep -F libEGL.so),eg
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint check train evaluate leaderboard figures dataset bench clean
+.PHONY: help setup demo test lint check train evaluate leaderboard transfer figures dataset bench clean
 .NOTPARALLEL:
 
 help: ## list the targets
@@ -69,6 +69,10 @@ leaderboard: setup ## put judged policies side by side: outputs/leaderboard/inde
 		policy=outputs/open_loop/open_loop.onnx contract=outputs/open_loop/open_loop.json
 	@test -f outputs/judge/expert.json || "$(BIN)/python" -m camp.judge expert
 	"$(BIN)/python" -m camp.leaderboard $(ARGS)
+
+transfer: setup ## walk in four physics engines: the table of engines, outputs/transfer/engines.png (minutes)
+	"$(BIN)/python" -m camp.transfer "$(POLICY)" engine=all $(ARGS)
+	"$(BIN)/python" -m analysis.transfer
 
 figures: setup ## draw the figures of RUN
 	"$(BIN)/python" -m analysis run="$(RUN)"

@@ -17,6 +17,7 @@ from camp.build import load_run
 from camp.common.errors import CampError
 from camp.common.paths import policies_root
 from camp.deployment.export import export_policy
+from camp.deployment.loop import observe
 from camp.evaluation.controllers import NetworkController, robot_of
 from camp.evaluation.plan import Planner
 from camp.evaluation.policies import contract_of_run
@@ -84,7 +85,7 @@ def test_observation_is_in_the_order_that_the_metadata_name(policy):
     robot.data.qpos[7:] = np.arange(12)
     robot.data.qvel[6:] = np.arange(12, 24)
     last_action, command = np.full(12, 0.5, np.float32), np.array([0.6, -0.1, 0.2], np.float32)
-    found = deploy.observe(policy, robot, command, policy.one_hot("bound"), last_action)
+    found = observe(policy, robot, command, policy.one_hot("bound"), last_action)
     assert found.dtype == np.float32
     expected = [
         *(0.1, 0.2, 0.3),
@@ -143,7 +144,7 @@ def test_the_loop_needs_little_of_camp():
         "camp.common.mujoco_log",
         "camp.metrics.contact",
         "camp.metrics.gait",
-        "camp.deployment.metadata",
+        "camp.deployment.loop",
         "camp.robots.quadruped",
         "camp.robots.registry",
     }

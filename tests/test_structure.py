@@ -24,7 +24,7 @@ LAYERS = (
     ("build", "cli"),
     ("training", "evaluation", "single_env"),
     ("deployment",),
-    ("train", "evaluate", "export", "deploy", "dataset", "ship", "bench", "judge", "leaderboard", "replay"),
+    ("train", "evaluate", "export", "deploy", "dataset", "ship", "bench", "judge", "leaderboard", "replay", "transfer"),
 )
 # Modules beside the packages that nobody needs to import: the commands, and Gymnasium's entry point.
 ENTRY_POINTS = {*LAYERS[-1], "single_env"}

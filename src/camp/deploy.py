@@ -2,9 +2,8 @@
 
     python -m camp.deploy outputs/latest/policy.onnx --skill trot_3hz --command 0.6 0 0
 
-This is what a controller of the real robot does, with MuJoCo in the robot's place: `observe` and `walk` are the parts
-to carry over. Of camp it takes the robot's model file, the reading of the metadata, and for the line it prints the
-measure of gaits.
+This is what a controller of the real robot does, with MuJoCo in the robot's place: `camp.deployment.loop` is the part
+to carry over. Besides, this takes of camp the robot's model file, and for the line it prints the measure of gaits.
 """
 
 from __future__ import annotations
@@ -14,6 +13,7 @@ import math
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 
 from camp.common.errors import CampError
 from camp.common.mujoco_log import no_log_file
-from camp.deployment.metadata import read_metadata
+from camp.deployment.loop import Policy, control
+from camp.deployment.loop import observe as observe  # for loops like this one
 from camp.metrics.contact import debounced
 from camp.metrics.gait import measure_gait
 from camp.robots.quadruped import CONTACT_FORCE, FOOT_NAMES
@@ -38,61 +39,6 @@ DIVERGED = (  # MuJoCo starts anew after these, with no more than a warning
     mujoco.mjtWarning.mjWARN_BADQVEL,
     mujoco.mjtWarning.mjWARN_BADQACC,
 )
-
-
-class Policy:
-    """policy.onnx: observation in, joint targets out, and the metadata that tells how to speak to it."""
-
-    def __init__(self, path: Path):
-        """Raises CampError where the file or onnxruntime is missing, or the file is no exported policy."""
-        try:
-            import onnxruntime
-        except ImportError as error:
-            raise CampError(
-                "package onnxruntime: not installed; install camp's extra `export`: "
-                "pip install -e '.[export]' -c constraints.txt"
-            ) from error
-        if not path.is_file():
-            raise CampError(f"policy {path}: not found; write it with `python -m camp.export run=<run folder>`")
-        try:
-            self._session = onnxruntime.InferenceSession(str(path), providers=["CPUExecutionProvider"])
-        except Exception as error:  # onnxruntime has no class of its own for all that a damaged file raises
-            raise CampError(f"policy {path}: not a readable ONNX file; export it again") from error
-        properties = self._session.get_modelmeta().custom_metadata_map
-        if "joint_names" not in properties:
-            raise CampError(f"policy {path}: holds no metadata of camp.export; export it again")
-        try:
-            self.metadata: dict[str, Any] = read_metadata(properties)
-        except CampError as error:
-            raise CampError(f"policy {path}: {error}") from error
-        shapes = [(one.name, one.shape[-1:]) for one in (*self._session.get_inputs(), *self._session.get_outputs())]
-        observed = sum(entry["size"] for entry in self.metadata["observation"])
-        expected = [("obs", [observed]), ("joint_target", [len(self.metadata["joint_names"])])]
-        if shapes != expected:
-            raise CampError(f"policy {path}: maps {shapes}, its metadata say {expected}; export it again")
-
-    def one_hot(self, skill: str) -> Array:
-        """The observation's `skill` entry, (K,). Raises CampError for a skill that the policy does not know."""
-        known = self.metadata["skills"]
-        if skill not in known:
-            raise CampError(f"skill {skill!r}: unknown to this policy; choose one of {', '.join(known)}")
-        return np.array([name == skill and self.metadata["observe_skill"] for name in known], np.float32)
-
-    def within_range(self, command: Sequence[float]) -> list[float]:
-        """vx, vy in m/s, yaw rate in rad/s, clipped to the range of training; as it is where the policy names none."""
-        ranges = self.metadata.get("command_range")
-        if ranges is None:
-            return list(command)
-        return [min(max(value, low), high) for value, (low, high) in zip(command, ranges.values(), strict=True)]
-
-    def joint_target(self, observation: Array) -> Array:
-        """(45 + K,) -> (12,) rad. Raises CampError for an answer that is no number."""
-        (answer,) = self._session.run(None, {"obs": observation[None]})
-        target = np.asarray(answer, dtype=np.float32)[0]
-        if not np.isfinite(target).all():
-            joint = self.metadata["joint_names"][int(np.argmin(np.isfinite(target)))]
-            raise CampError(f"the policy's target for {joint} is not finite: its weights are damaged; export it again")
-        return target
 
 
 class Robot:
@@ -188,35 +134,15 @@ class Walk:
     fell: bool
 
 
-def observe(policy: Policy, robot: Robot, command: Array, skill: Array, last_action: Array) -> Array:
-    """The policy's observation, (45 + K,): raw readings in SI units, in the order that the metadata names."""
-    entries = {
-        "base_angular_velocity": robot.angular_velocity,
-        "gravity": robot.gravity,
-        "command": command,
-        "joint_position": robot.joint_position - np.array(policy.metadata["default_pose"], np.float32),
-        "joint_velocity": robot.joint_velocity,
-        "last_action": last_action,
-        "skill": skill,
-    }
-    return np.concatenate([entries[entry["name"]] for entry in policy.metadata["observation"]], dtype=np.float32)
-
-
 def walk(policy: Policy, skill: str, command: Sequence[float], seconds: float) -> Walk:
     """Walk from standing until the time is over or the robot falls.
 
     command: vx, vy in m/s, yaw rate in rad/s. Raises CampError for a skill that the policy does not know, and for an
     answer or a state that is not finite.
     """
-    metadata, robot = policy.metadata, Robot(policy.metadata)
-    pose, scale = np.array(metadata["default_pose"], np.float32), np.float32(metadata["action_scale"])
-    one_hot, wanted = policy.one_hot(skill), np.array(command, np.float32)
-    last_action = np.zeros_like(pose)
+    robot, steps = Robot(policy.metadata), round(seconds / policy.metadata["control_period"])
     rows = []
-    for _ in range(round(seconds / metadata["control_period"])):
-        target = policy.joint_target(observe(policy, robot, wanted, one_hot, last_action))
-        robot.hold(target)
-        last_action = (target - pose) / scale
+    for target in islice(control(policy, robot, skill, command), steps):
         rows.append((robot.data.qpos.copy(), target, robot.velocity, [robot.touches(foot) for foot in FOOT_NAMES]))
         if robot.fallen:
             break

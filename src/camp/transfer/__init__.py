@@ -1,0 +1,1 @@
+"""One policy in several physics engines: the same robot, the same loop, the same judge (docs/transfer.md)."""

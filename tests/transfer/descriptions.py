@@ -1,0 +1,25 @@
+"""The Go2 as the shipped policy's metadata describe it."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from typing import Any
+
+from camp.common.paths import policies_root
+from camp.robots.registry import find_robot
+from camp.transfer.description import Description, describe
+
+GO2 = find_robot("go2")
+
+
+@cache
+def metadata() -> dict[str, Any]:
+    """policy.json of the shipped policy."""
+    return json.loads((policies_root() / "go2_camp" / "policy.json").read_text())
+
+
+@cache
+def description() -> Description:
+    """With its gains and pose."""
+    return describe(GO2, metadata())
