@@ -1,0 +1,144 @@
+"""What the priors of each ablation reward, without reinforcement learning: `python -m analysis.incentive`.
+
+`python -m analysis.incentive [seeds=0,1,2] [iterations=200] [output=ablations/results/incentive.json]` trains the
+priors of every arm on the expert's clips (`analysis.expert_priors`), shows them held-out expert motion of skill j under
+label k, and writes the mean rewards, K x K for K skills. Where motion of the commanded skill is not worth more than that
+of others, no learner can be taught to obey. Draw it: `make figures`.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from analysis import expert_priors
+from analysis.arms import ARMS
+from analysis.provenance import provenance
+from camp.algo.prior import Prior
+from camp.build import expert_clips
+from camp.cli.key_values import key_values, run_command
+from camp.common.errors import ConfigError
+from camp.common.files import write_text
+from camp.config.compose import compose_config
+from camp.config.schema import Config
+from camp.data import Transition
+from camp.gaits.skills import names
+
+PRESET = ("run=scratch", "motion.labels=gait", "sim.num_envs=64", "sim=cpu", "algo.style.batch_size=512")
+PRESET += ("algo.skill.batch_size=512", "motion.num_preloaded=40000")
+RESULT = Path("ablations/results/incentive.json")
+ASKED = 500  # transitions of each skill that the priors are asked about
+
+
+@dataclass(frozen=True)
+class Incentive:
+    """Mean reward of one seed's priors, (K shown, K commanded), weighted as in eq. (2); zeros without the prior."""
+
+    arm: str
+    fakes: str
+    seed: int
+    style: list[list[float]]
+    skill: list[list[float]]
+
+
+@dataclass(frozen=True)
+class Margin:
+    """How far the reward tells the commanded skill from others.
+
+    mean: of the diagonal less that of the rest; worst: the least advantage of the commanded skill over the best-paid
+    other one, over the commands.
+    """
+
+    mean: float
+    worst: float
+
+
+def margin(reward: NDArray[np.floating]) -> Margin:
+    """The margins of a matrix (K shown, K commanded)."""
+    own = np.diag(reward)
+    off = ~np.eye(len(reward), dtype=bool)
+    best_other = np.where(off, reward, -np.inf).max(axis=0)
+    return Margin(float(own.mean() - reward[off].mean()), float((own - best_other).min()))
+
+
+def reward_matrix(prior: Prior, asked: Transition, num_skills: int) -> NDArray[np.floating]:
+    """Weighted mean reward (K, K) of motion that shows skill j, row, under label k, column."""
+    rows = []
+    for shown in range(num_skills):
+        motion = asked.take(asked.skill == shown)
+        motion = motion.take(torch.linspace(0, len(motion) - 1, min(ASKED, len(motion))).long())
+        labels = [torch.full_like(motion.skill, label) for label in range(num_skills)]
+        rows.append([float(prior.reward(Transition(motion.state, label)).mean()) for label in labels])
+    return prior.weight * np.array(rows)
+
+
+def measure(seeds: Sequence[int], iterations: int) -> Iterator[Incentive]:
+    """Every arm, kind of fakes and seed. Arms whose priors are the same share their training."""
+    known: dict[tuple, Incentive] = {}
+    clips = expert_clips(compose_config(PRESET))
+    for seed in seeds:
+        first = compose_config([*PRESET, f"seed={seed}"])
+        shown = expert_priors.show(first, clips)
+        pool = expert_priors.untrained_motion(first, clips)
+        for arm in ARMS:
+            config = compose_config([*PRESET, f"+ablation={arm}", f"seed={seed}"])
+            for kind in expert_priors.FAKES:
+                same = (_priors_of(config), kind, seed)
+                if same not in known:
+                    fakes = expert_priors.make_fakes(kind, shown, pool)
+                    known[same] = _measure_one(config, shown, fakes, iterations)
+                found = known[same]
+                yield Incentive(arm, kind, seed, found.style, found.skill)
+
+
+def _priors_of(config: Config) -> str:
+    style, skill = asdict(config.algo.style), asdict(config.algo.skill)
+    skill.pop("patience_s")
+    return json.dumps([part if part["enabled"] else None for part in (style, skill)])
+
+
+def _measure_one(config: Config, shown: expert_priors.Shown, fakes: expert_priors.Fakes, iterations: int) -> Incentive:
+    priors, num_skills = expert_priors.fresh_priors(config), len(config.motion.skill_set())
+    expert_priors.train(priors, shown, fakes, iterations, config.seed)
+    found = {prior.name: reward_matrix(prior, shown.asked, num_skills).tolist() for prior in priors}
+    nothing = np.zeros((num_skills, num_skills)).tolist()
+    return Incentive("", "", config.seed, found.get("style", nothing), found.get("skill", nothing))
+
+
+def run(arguments: Sequence[str]) -> None:
+    """Carry out the command line. Raises ConfigError."""
+    given = key_values(arguments, required=[], optional=["seeds", "iterations", "output"])
+    try:
+        seeds = [int(seed) for seed in given.get("seeds", "0,1,2").split(",")]
+        iterations = int(given.get("iterations", "200"))
+    except ValueError as error:
+        raise ConfigError(f"arguments {' '.join(arguments)}: give whole numbers, seeds=0,1,2 iterations=200") from error
+    begun, rows = time.perf_counter(), []
+    for found in measure(seeds, iterations):
+        rows.append(found)
+        reward = np.array(found.style) + np.array(found.skill)
+        print(f"seed {found.seed} {found.arm} against {found.fakes}: margin {margin(reward).mean:.3f}", flush=True)
+    result = {
+        "study": "incentive",
+        "skills": list(names(compose_config(PRESET).motion.skill_set())),
+        "preset": list(PRESET),
+        "iterations": iterations,
+        "seconds": round(time.perf_counter() - begun, 1),
+        **provenance(),
+        "arms": [asdict(row) for row in rows],
+    }
+    path = Path(given.get("output", RESULT))
+    write_text(path, json.dumps(result) + "\n")
+    print(f"wrote {path}")
+
+
+if __name__ == "__main__":
+    sys.exit(run_command(run, sys.argv[1:], __doc__))
