@@ -32,8 +32,12 @@ from camp.config.schema import Config
 from camp.data import Transition
 from camp.gaits.skills import names
 
-PRESET = ("run=scratch", "motion.labels=gait", "sim.num_envs=64", "sim=cpu", "algo.style.batch_size=512")
-PRESET += ("algo.skill.batch_size=512", "motion.num_preloaded=40000")
+# Small batches and a large rate: nothing moves but the priors, so that they can be quick.
+PRESET = (
+    *("run=scratch", "motion.labels=gait", "sim=cpu", "sim.num_envs=64", "motion.num_preloaded=40000"),
+    *(f"algo.{prior}.{value}" for prior in ("style", "skill") for value in ("batch_size=256", "updates=1")),
+    *(f"algo.{prior}.learning_rate=1e-3" for prior in ("style", "skill")),
+)
 RESULT = Path("ablations/results/incentive.json")
 ASKED = 500  # transitions of each skill that the priors are asked about
 
@@ -121,7 +125,7 @@ def run(arguments: Sequence[str]) -> None:
         iterations = int(given.get("iterations", "200"))
     except ValueError as error:
         raise ConfigError(f"arguments {' '.join(arguments)}: give whole numbers, seeds=0,1,2 iterations=200") from error
-    begun, rows = time.perf_counter(), []
+    begun, origin, rows = time.perf_counter(), provenance(), []
     for found in measure(seeds, iterations):
         rows.append(found)
         reward = np.array(found.style) + np.array(found.skill)
@@ -132,7 +136,7 @@ def run(arguments: Sequence[str]) -> None:
         "preset": list(PRESET),
         "iterations": iterations,
         "seconds": round(time.perf_counter() - begun, 1),
-        **provenance(),
+        **origin,
         "arms": [asdict(row) for row in rows],
     }
     path = Path(given.get("output", RESULT))
