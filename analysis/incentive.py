@@ -2,8 +2,8 @@
 
 `python -m analysis.incentive [seeds=0,1,2] [iterations=200] [output=ablations/results/incentive.json]` trains the
 priors of every arm on the expert's clips (`analysis.expert_priors`), shows them held-out expert motion of skill j under
-label k, and writes the mean rewards, K x K for K skills. Where motion of the commanded skill is not worth more than that
-of others, no learner can be taught to obey. Draw it: `make figures`.
+label k, and writes the mean rewards, K x K for K skills. Where motion of the commanded skill is not worth more than
+others, no learner can be taught to obey. `make figures` draws it.
 """
 
 from __future__ import annotations
