@@ -113,7 +113,7 @@ def _draw_feet(axes: Axes, diagram: ContactDiagram) -> None:
         place = {"transform": axes.get_yaxis_transform(), "va": "center", "fontsize": 7}
         for row, touches in enumerate(diagram.touches):
             axes.text(1.01, row, f"{touches:.2f}", **place)
-        axes.text(1.045, 1.5, "touches per stance", rotation=90, ha="left", **place)
+        axes.text(1.06, 1.5, "touches per stance", rotation=90, ha="left", **place)
 
 
 def _draw_measured(axes: Axes, measured: list[Span]) -> None:

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from analysis.contacts import Span, spans
-from analysis.style import GREY, GRID, INK, PAGE, new_figure, skill_colours, style
+from analysis.style import GREY, GRID, PAGE, new_figure, skill_colours, style
 from camp.evaluation.recording import Recording
 from camp.evaluation.report import ReferenceSummary
 from camp.gaits.skills import split_name
@@ -98,9 +98,9 @@ def _draw_joint(axes: Axes, traces: JointTraces, row: int) -> None:
     colours = skill_colours([span.name for span in traces.commanded])
     for span in traces.commanded:
         axes.axvspan(span.start_s, span.end_s, color=colours[span.name], alpha=0.13, linewidth=0)
-    axes.plot(traces.time, traces.expert[:, row], color=INK, linewidth=0.9, linestyle=(0, (1, 1)), label="expert")
-    axes.plot(traces.time, traces.target[:, row], color=TARGET, linewidth=0.7, label="target")
-    axes.plot(traces.time, traces.actual[:, row], color=ACTUAL, linewidth=1.0, label="actual")
+    axes.plot(traces.time, traces.expert[:, row], color="#ABABAB", linewidth=2.8, label="expert's mean stride")
+    axes.plot(traces.time, traces.target[:, row], color=TARGET, linewidth=0.6, label="target")
+    axes.plot(traces.time, traces.actual[:, row], color=ACTUAL, linewidth=0.9, label="actual")
     axes.set_xlim(traces.time[0], traces.time[-1])
 
 
@@ -123,5 +123,5 @@ def _draw_reference(axes: Axes, reference: Mapping[str, ReferenceSummary]) -> No
     axes.set_ylim(len(rows) - 0.5, -0.5)
     axes.grid(axis="x", color=GRID, linewidth=0.5)
     axes.set_axisbelow(True)
-    axes.set_xlabel("tracking of the expert (%)")
+    axes.set_xlabel("reference\ntracking (%)")
     axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=1, handletextpad=0.2, fontsize=7)
