@@ -1,6 +1,6 @@
 """What the priors of each ablation reward, without reinforcement learning: `python -m analysis.incentive`.
 
-`python -m analysis.incentive [seeds=0,1,2] [iterations=200] [output=ablations/results/incentive.json]` trains the
+`python -m analysis.incentive [seeds=0,1,2] [iterations=100] [output=ablations/results/incentive.json]` trains the
 priors of every arm on the expert's clips (`analysis.expert_priors`), shows them held-out expert motion of skill j under
 label k, and writes the mean rewards, K x K for K skills. Where motion of the commanded skill is not worth more than
 others, no learner can be taught to obey. `make figures` draws it.
@@ -122,9 +122,9 @@ def run(arguments: Sequence[str]) -> None:
     given = key_values(arguments, required=[], optional=["seeds", "iterations", "output"])
     try:
         seeds = [int(seed) for seed in given.get("seeds", "0,1,2").split(",")]
-        iterations = int(given.get("iterations", "200"))
+        iterations = int(given.get("iterations", "100"))
     except ValueError as error:
-        raise ConfigError(f"arguments {' '.join(arguments)}: give whole numbers, seeds=0,1,2 iterations=200") from error
+        raise ConfigError(f"arguments {' '.join(arguments)}: give whole numbers, seeds=0,1,2 iterations=100") from error
     begun, origin, rows = time.perf_counter(), provenance(), []
     for found in measure(seeds, iterations):
         rows.append(found)
