@@ -87,7 +87,7 @@ def _draw_conditions(axes: Axes, report: Report) -> None:
             axes.plot([found.value], [place], "o", color=LINE, ms=3.5)
     axes.set_yticks(range(len(report.robustness)), list(report.robustness), fontsize=6.5)
     axes.set_ylim(len(report.robustness) - 0.5, -0.5)
-    axes.set_xlim(0.0, 1.0)
+    axes.set_xlim(0.0, 1.02)
     axes.xaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
     axes.grid(axis="x", color=GRID, linewidth=0.5)
     axes.set_axisbelow(True)

@@ -121,6 +121,7 @@ def _draw_reference(axes: Axes, reference: Mapping[str, ReferenceSummary]) -> No
         axes.plot(values, range(len(rows)), mark, color=colour, markersize=3.5, label=part.replace("_", " "))
     axes.set_yticks(range(len(rows)), rows)
     axes.set_ylim(len(rows) - 0.5, -0.5)
+    axes.set_xlim(right=100.0)
     axes.grid(axis="x", color=GRID, linewidth=0.5)
     axes.set_axisbelow(True)
     axes.set_xlabel("reference\ntracking (%)")

@@ -179,8 +179,12 @@ def prior_features(prior: SkillPrior, clip: Clip, ages: Sequence[int]) -> ClipFe
 
 def gaits_of(clips: list[ClipFeatures]) -> list[str]:
     """Names of the gaits that occur, in the order of GAIT_PHASES, others behind."""
-    found = dict.fromkeys(clip.gait for clip in clips)
-    return sorted(found, key=lambda gait: [*GAIT_PHASES, gait].index(gait))
+    return in_order([clip.gait for clip in clips])
+
+
+def in_order(gaits: Sequence[str]) -> list[str]:
+    """Each gait once, in the order of GAIT_PHASES, others behind."""
+    return sorted(dict.fromkeys(gaits), key=lambda gait: [*GAIT_PHASES, gait].index(gait))
 
 
 def first_touchdown(contact: NDArray[np.bool_]) -> int:
