@@ -1,9 +1,10 @@
 """`python -m analysis [run=<folder>] [only=<figure>,...]`: draw all figures of a run into <folder>/figures.
 
 Each is a PDF and a PNG. Those of a shipped policy go into outputs/<its name>/figures. Without `run` the newest
-evaluated run below outputs/ is taken. What lacks its input is left out, and a line says which command makes it; the others are drawn. `only` draws
-some: data_flow, training, confusion, robustness, film_strip, contacts, joints, clusters, dtw, dtw_expert, incentive,
-incentive_margins, skill_cost, or ablations (figures and Table IV of every study in ablations/results).
+evaluated run below outputs/ is taken. What lacks its input is left out, and a line says which command makes it; the
+others are drawn. `only` draws some: data_flow, training, confusion, robustness, film_strip, contacts, joints, clusters,
+dtw, dtw_expert, incentive, incentive_margins, skill_cost, or ablations (figures and Table IV of every study in
+ablations/results).
 """
 
 from __future__ import annotations

@@ -152,7 +152,7 @@ def _names(index: NDArray[np.integer], partition: Partition) -> NDArray[np.str_]
 def draw_clusters(clusters: Clusters) -> Figure:
     """Ground truth, K-means, and the policy's own motion; the same plane and colours."""
     partition, policy = clusters.partition, clusters.policy
-    panels = [("expert, not seen in training: true skill", clusters.position, partition.skill)]
+    panels = [("expert: true skill", clusters.position, partition.skill)]
     panels.append((f"K-means: {partition.scores.accuracy:.1%} right", clusters.position, partition.cluster))
     if policy is not None:
         panels.append((f"policy, by command: {policy.accuracy:.1%} right", policy.position, policy.commanded))
@@ -169,7 +169,7 @@ def draw_clusters(clusters: Clusters) -> Figure:
         figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 8), markerscale=3)
         scores = partition.scores
         figure.suptitle(
-            f"Skill-discriminator features; K-means: ARI {scores.rand:.2f}, NMI {scores.information:.2f}; "
+            f"Features of motion not seen in training; K-means: ARI {scores.rand:.2f}, NMI {scores.information:.2f}; "
             f"true skills: silhouette {scores.silhouette:.2f}",
             fontsize=8.5,
         )

@@ -94,7 +94,7 @@ def compute_arrows(config: Config, boxes: dict[str, Box]) -> list[Arrow]:
     """What flows between the boxes that are there."""
     algo = config.algo
     arrows = [
-        Arrow(((17, 38.5), (25, 38.5)), "o, g", (21, 39.6)),
+        Arrow(((17, 38.5), (25, 38.5)), "c, g", (21, 39.6)),
         Arrow(((44, 38.5), (53, 38.5)), f"k a\nk = {config.robot.action_scale:g}", (48.5, 39.6)),
         Arrow(((60, 44), (60, 45.6), (34.5, 45.6), (34.5, 44)), "o", (47.5, 45.5), GREY),
         Arrow(((53, 35), (49, 35), (49, 22), (44, 22)), "o, x", (47, 23), GREY),

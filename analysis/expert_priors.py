@@ -123,7 +123,7 @@ def train(priors: Sequence[Prior], shown: Shown, fakes: Fakes, iterations: int, 
             prior.update(fakes(batch, source), shown.learned, source)
 
 
-def converge(prior: SkillPrior, shown: Shown, seed: int, least_gain: float = 0.01) -> list[float]:
+def converge(prior: SkillPrior, shown: Shown, seed: int, least_gain: float = 0.02) -> list[float]:
     """Let a skill prior learn until its loss on held-out motion falls by less than ``least_gain`` of it in BLOCK
     iterations; returns the losses, one for each block."""
     source, losses = generator(seed, "priors"), []

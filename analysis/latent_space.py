@@ -34,7 +34,7 @@ from camp.motion.clips.clip import Clip
 PRESET = (
     *("motion.labels=gait", "motion.frequencies_hz=[2.0,3.0,4.0]", "motion.num_preloaded=60000", "run=paper"),
     *("sim=cpu", "algo.style.enabled=false", "algo.skill.updates=1"),
-    *("algo.skill.batch_size=512", "algo.skill.learning_rate=1e-3"),
+    *("algo.skill.batch_size=256", "algo.skill.learning_rate=1e-3"),
 )
 RESULT = Path("ablations/results/latent_space.json")
 

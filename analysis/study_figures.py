@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import PercentFormatter
+from matplotlib.ticker import MaxNLocator, PercentFormatter
 from numpy.typing import NDArray
 
 from analysis.arms import title_of
@@ -84,6 +84,7 @@ def draw_measures(result: StudyResult) -> Figure:
                 _draw_arm(axis, place, by_seed(result.of_arm(arm), measure))
             if name in limits:
                 axis.axvline(limits[name], color=GREY, linewidth=0.8, linestyle=(0, (3, 2)))
+            axis.xaxis.set_major_locator(MaxNLocator(3, integer=name == "gaits shown"))
             axis.set_xlabel(name.replace(" (", "\n("), fontsize=7.5)
             axis.set_xlim(left=min(0.0, axis.get_xlim()[0]))
             axis.grid(axis="x", color=GRID, linewidth=0.5)

@@ -62,7 +62,7 @@ def measures(result: StudyResult) -> dict[str, Measure]:
         "gait right": lambda run: accuracy(counts(run)),
         "switches in time": lambda run: run.switches_completed,
         "velocity error (m/s)": lambda run: run.linear_error_m_s,
-        "falls": lambda run: run.falls / run.walks,
+        "falls per walk": lambda run: run.falls / run.walks,
     }
 
 
