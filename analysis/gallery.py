@@ -19,7 +19,8 @@ from analysis.dtw import compute_distances, draw_distances, mean_distances
 from analysis.evaluation_figures import draw_confusion, draw_robustness
 from analysis.film_strip import compute_strip, draw_strip
 from analysis.incentive import RESULT as INCENTIVE
-from analysis.incentive_figure import draw_margins, draw_matrices, read_incentives
+from analysis.incentive import read_incentives
+from analysis.incentive_figure import draw_margins, draw_matrices
 from analysis.joints import compute_joints, draw_joints
 from analysis.latent_space import RESULT as LATENT_SPACE
 from analysis.latent_space import distances_of

@@ -3,7 +3,7 @@
 `python -m analysis.incentive [seeds=0,1,2] [iterations=100] [output=ablations/results/incentive.json]` trains the
 priors of every arm on the expert's clips (`analysis.expert_priors`), shows them held-out expert motion of skill j under
 label k, and writes the mean rewards, K x K for K skills. Where motion of the commanded skill is not worth more than
-others, no learner can be taught to obey. `make figures` draws it.
+others, no learner can be taught to obey. `show=<result>` prints the margins of a result, `make figures` draws it.
 """
 
 from __future__ import annotations
@@ -20,8 +20,10 @@ import torch
 from numpy.typing import NDArray
 
 from analysis import expert_priors
-from analysis.arms import ARMS
+from analysis.arms import ARMS, title_of
+from analysis.load import AnalysisError
 from analysis.provenance import provenance
+from analysis.tables import Table
 from camp.algo.prior import Prior
 from camp.build import expert_clips
 from camp.cli.key_values import key_values, run_command
@@ -117,9 +119,49 @@ def _measure_one(config: Config, shown: expert_priors.Shown, fakes: expert_prior
     return Incentive("", "", config.seed, found.get("style", nothing), found.get("skill", nothing))
 
 
+def margins(rows: Sequence[Incentive]) -> dict[tuple[str, str, str], list[float]]:
+    """Mean margins by arm, fakes and prior, one for each seed."""
+    found: dict[tuple[str, str, str], list[float]] = {}
+    for row in rows:
+        for prior in ("style", "skill"):
+            found.setdefault((row.arm, row.fakes, prior), []).append(margin(np.array(getattr(row, prior))).mean)
+    return found
+
+
+def margin_table(rows: Sequence[Incentive]) -> Table:
+    """Means over seeds, by arm and fakes: both priors' margins, and the worst margin of their sum in any seed."""
+    found, cells = margins(rows), []
+    for arm, fakes in dict.fromkeys((row.arm, row.fakes) for row in rows):
+        sums = [np.array(row.style) + np.array(row.skill) for row in rows if (row.arm, row.fakes) == (arm, fakes)]
+        figures = [
+            *(np.mean(found[arm, fakes, prior]) for prior in ("style", "skill")),
+            min(margin(r).worst for r in sums),
+        ]
+        cells.append([title_of(arm), fakes, *(f"{value + 0.0:.2f}" for value in figures)])
+    return Table(["arm", "fakes", "style", "skill", "worst"], cells)
+
+
+def read_incentives(path: Path = RESULT) -> tuple[list[str], list[Incentive]]:
+    """Names of the skills and all rows. Raises AnalysisError where the file is missing or damaged."""
+    try:
+        plain = json.loads(path.read_text(encoding="utf-8"))
+        return list(plain["skills"]), [Incentive(**row) for row in plain["arms"]]
+    except OSError as error:
+        raise AnalysisError(
+            f"result {path}: {error.strerror or error}; make it with `python -m analysis.incentive`"
+        ) from error
+    except (ValueError, KeyError, TypeError) as error:
+        raise AnalysisError(
+            f"result {path}: cannot be read ({error}); make it with `python -m analysis.incentive`"
+        ) from error
+
+
 def run(arguments: Sequence[str]) -> None:
     """Carry out the command line. Raises ConfigError."""
-    given = key_values(arguments, required=[], optional=["seeds", "iterations", "output"])
+    given = key_values(arguments, required=[], optional=["seeds", "iterations", "output", "show"])
+    if "show" in given:
+        print(margin_table(read_incentives(Path(given["show"]))[1]).as_markdown())
+        return
     try:
         seeds = [int(seed) for seed in given.get("seeds", "0,1,2").split(",")]
         iterations = int(given.get("iterations", "100"))

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,24 +11,11 @@ from numpy.typing import NDArray
 
 from analysis.arms import title_of
 from analysis.expert_priors import FAKES
-from analysis.incentive import RESULT, Incentive, margin
-from analysis.load import AnalysisError
+from analysis.incentive import Incentive, margins
 from analysis.matrices import Axis, Panel, Scale, draw_panels
 from analysis.style import COLUMN, GRID, INK, new_figure, style
 
-REMEDY = "make it with `python -m analysis.incentive`"
-PRIORS = {"style": ("o", "#D55E00"), "skill": ("s", "#0072B2")}
-
-
-def read_incentives(path: Path = RESULT) -> tuple[list[str], list[Incentive]]:
-    """Names of the skills and all rows. Raises AnalysisError where the file is missing or damaged."""
-    try:
-        plain = json.loads(path.read_text(encoding="utf-8"))
-        return list(plain["skills"]), [Incentive(**row) for row in plain["arms"]]
-    except OSError as error:
-        raise AnalysisError(f"result {path}: {error.strerror or error}; {REMEDY}") from error
-    except (ValueError, KeyError, TypeError) as error:
-        raise AnalysisError(f"result {path}: cannot be read ({error}); {REMEDY}") from error
+LOOKS = {"style": ("o", "#D55E00"), "skill": ("s", "#0072B2")}  # of the priors
 
 
 def mean_reward(rows: Sequence[Incentive], arm: str, fakes: str) -> NDArray[np.floating]:
@@ -49,15 +34,6 @@ def draw_matrices(skills: list[str], rows: Sequence[Incentive], fakes: str = "bl
     return draw_panels(panels, Scale(low, high, "weighted reward, style + skill"), axis)
 
 
-def margins(rows: Sequence[Incentive]) -> dict[tuple[str, str, str], list[float]]:
-    """Mean margins by arm, fakes and prior, one for each seed."""
-    found: dict[tuple[str, str, str], list[float]] = {}
-    for row in rows:
-        for prior in PRIORS:
-            found.setdefault((row.arm, row.fakes, prior), []).append(margin(np.array(getattr(row, prior))).mean)
-    return found
-
-
 def draw_margins(rows: Sequence[Incentive]) -> Figure:
     """Commanded skill less others, of each prior, every seed a mark; one panel for each kind of fakes."""
     arms = list(dict.fromkeys(row.arm for row in rows))
@@ -67,7 +43,7 @@ def draw_margins(rows: Sequence[Incentive]) -> Figure:
         axes = figure.subplots(2, 1, sharex=True)
         for axis, fakes in zip(axes, FAKES, strict=True):
             axis.axvline(0.0, color=INK, linewidth=0.6)
-            for offset, (prior, (mark, colour)) in zip((-0.16, 0.16), PRIORS.items(), strict=True):
+            for offset, (prior, (mark, colour)) in zip((-0.16, 0.16), LOOKS.items(), strict=True):
                 for place, arm in enumerate(arms):
                     values = found[arm, fakes, prior]
                     label = f"{prior} reward" if place == 0 else None
@@ -76,8 +52,8 @@ def draw_margins(rows: Sequence[Incentive]) -> Figure:
             axis.set_ylim(len(arms) - 0.5, -0.5)
             axis.grid(axis="x", color=GRID, linewidth=0.5)
             axis.set_axisbelow(True)
-            axis.set_title(f"fakes: {fakes}", fontsize=8, loc="left")
-        axes[-1].set_xlabel("margin: commanded skill less others (weighted reward)")
+            axis.set_title(f"against the fakes of a policy that is {fakes}", fontsize=8, loc="left")
+        axes[-1].set_xlabel("commanded skill less others (weighted reward)")
         handles, labels = axes[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=2)
     return figure

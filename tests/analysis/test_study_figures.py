@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from analysis import gallery
-from analysis.incentive import Incentive, margin
-from analysis.incentive_figure import draw_margins, draw_matrices, margins, read_incentives
+from analysis.incentive import Incentive, margin, margin_table, margins, read_incentives
+from analysis.incentive_figure import draw_margins, draw_matrices
 from analysis.load import AnalysisError
 from analysis.matrices import Axis, Panel, Scale, draw_panels
 from analysis.study_figures import curve_of, draw_learning
@@ -42,6 +42,7 @@ def test_incentives_are_read_and_drawn(incentives):
     skills, rows = read_incentives(incentives)
     assert margins(rows)["full", "blind", "style"] == [2.0, 2.0]
     assert margins(rows)["amp_baseline", "untrained", "style"] == [0.0, 0.0]
+    assert margin_table(rows).rows[0] == ["full", "blind", "2.00", "0.00", "2.00"]
     figure = draw_matrices(skills, rows)
     assert [text.get_text() for text in figure.axes[0].texts] == ["2.00", "0.00", "0.00", "2.00"]
     assert figure.axes[1].get_title() == "AMP baseline"
