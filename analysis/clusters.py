@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,6 +21,7 @@ from analysis.style import PAGE, new_figure, skill_shades, style
 from camp.gaits.skills import Skill
 
 POINTS_PER_SKILL = 200  # t-SNE of 1600 points takes seconds; more only thickens the clusters
+LEGEND: dict[str, Any] = {"fontsize": 7.5, "handletextpad": 0.1, "columnspacing": 0.8, "markerscale": 3}
 Floats = NDArray[np.floating]
 
 
@@ -166,7 +168,7 @@ def draw_clusters(clusters: Clusters) -> Figure:
             axis.set_title(title, fontsize=8.0)
         axes[0].set_ylabel("t-SNE 2")
         handles, labels = axes[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 8), markerscale=3)
+        figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 8), **LEGEND)
         scores = partition.scores
         figure.suptitle(
             f"Features of motion not seen in training; K-means: ARI {scores.rand:.2f}, NMI {scores.information:.2f}; "
