@@ -105,7 +105,7 @@ def draw_distances(panels: Mapping[str, LatentDistances], rows: Sequence[str] = 
     cells the rows of each panel are, where they are not the columns'.
     """
     with style():
-        figure = new_figure((PAGE, PAGE / 2 - 0.1) if len(panels) > 1 else SQUARE)
+        figure = new_figure((PAGE, 3.2) if len(panels) > 1 else SQUARE)
         grid = figure.subplots(1, len(panels), squeeze=False)[0]
         for axes, (title, distances), whose in zip(grid, panels.items(), rows or [""] * len(panels), strict=True):
             _draw_map(axes, distances)

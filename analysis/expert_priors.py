@@ -130,7 +130,8 @@ def converge(prior: SkillPrior, shown: Shown, seed: int, least_gain: float = 0.0
     for _ in range(MOST_BLOCKS):
         for _ in range(BLOCK):
             prior.update(shown.learned.sample(1, source), shown.learned, source)
-        error = (prior.predict(shown.asked) - prior.embedding(shown.asked.skill)).square().sum(dim=1)
+        with torch.no_grad():
+            error = (prior.predict(shown.asked) - prior.embedding(shown.asked.skill)).square().sum(dim=1)
         losses.append(float(error.mean()))
         if len(losses) > 1 and losses[-1] > (1.0 - least_gain) * losses[-2]:
             break

@@ -75,7 +75,7 @@ def _clusters(sources: Sources) -> Figure:
 
 def _dtw(sources: Sources) -> Figure:
     against = compute_distances(sources.walks, sources.clips)
-    panels = {"expert's clips": compute_distances(sources.clips), "policy's walks (rows) against the expert's": against}
+    panels = {"expert's clips": compute_distances(sources.clips), "policy's walks against the expert's": against}
     return draw_distances(panels, ("", "policy"))
 
 
