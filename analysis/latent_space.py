@@ -116,7 +116,7 @@ def run(arguments: Sequence[str]) -> None:
     except ValueError as error:
         raise ConfigError(f"seeds={given['seeds']}: give whole numbers, such as seeds=0,1,2") from error
     begun, origin, rows = time.perf_counter(), provenance(), []
-    clips = expert_clips(compose_config(PRESET))
+    clips, path = expert_clips(compose_config(PRESET)), Path(given.get("output", RESULT))
     for seed in seeds:
         found = measure(seed, clips)
         stated = claims(distances_of(asdict(found)))
@@ -124,9 +124,8 @@ def run(arguments: Sequence[str]) -> None:
         for claim in stated:
             print(f"  {claim}", flush=True)
         rows.append(asdict(found) | {"claims": [asdict(claim) for claim in stated]})
-    result = {"study": "latent_space", "preset": list(PRESET), "seconds": round(time.perf_counter() - begun, 1)}
-    path = Path(given.get("output", RESULT))
-    write_text(path, json.dumps(result | origin | {"seeds": rows}) + "\n")
+        result = {"study": "latent_space", "preset": list(PRESET), "seconds": round(time.perf_counter() - begun, 1)}
+        write_text(path, json.dumps(result | origin | {"seeds": rows}) + "\n")
     print(f"wrote {path}")
 
 
