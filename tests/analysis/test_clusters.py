@@ -45,7 +45,7 @@ def test_kmeans_recovers_separable_gaits(separable):
     partition = separable.partition
     scores = partition.scores
     assert scores.accuracy == scores.rand == 1.0 and scores.information == pytest.approx(1.0)
-    assert scores.silhouette > 0.8
+    assert scores.silhouette > 0.3  # six of the eight dimensions are noise
     assert (partition.cluster == partition.skill).all()  # names too, not only the partition
     assert separable.position.shape == (120, 2)
 

@@ -8,10 +8,17 @@ from matplotlib.figure import Figure
 import analysis.__main__ as command
 from analysis import gallery
 from analysis.load import AnalysisError
+from analysis.style import new_figure
 from camp.deployment.provenance import condensed
 from camp.runs import folder as run_folders
 from tests.analysis.synthetic import metrics, write_evaluation, write_metrics
 from tests.errors import assert_one_line
+
+
+def _a_line(sources) -> Figure:
+    figure = new_figure((1.0, 1.0))
+    figure.subplots().plot([0, 1], [0, 1])
+    return figure
 
 
 @pytest.fixture
@@ -21,7 +28,7 @@ def folder(tmp_path, monkeypatch):
     def missing(sources):
         raise AnalysisError("no clips: generate them with `python -m camp.dataset`")
 
-    figures = {"training": gallery.FIGURES["training"], "clusters": missing, "empty": lambda sources: Figure()}
+    figures = {"training": _a_line, "clusters": missing, "empty": lambda sources: Figure()}
     monkeypatch.setattr(command, "FIGURES", figures)
     monkeypatch.chdir(tmp_path)
     return write_metrics(write_evaluation(tmp_path / "outputs" / "one"), metrics(10))
