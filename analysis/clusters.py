@@ -113,7 +113,7 @@ def compute_clusters(
     expert, rest = position[: len(standard)], position[len(standard) :]
     if policy is None:
         return Clusters(expert, partition)
-    cluster = _names(means.labels_, partition)[means.predict(every[len(standard) :])]
+    cluster = _names(np.asarray(means.labels_), partition)[means.predict(every[len(standard) :])]
     points = PolicyPoints(rest, policy[1], float((cluster == policy[1]).mean()))
     return Clusters(expert, partition, points)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -43,7 +45,8 @@ def draw_robustness(report: Report) -> Figure:
         )
     with style():
         figure = new_figure((PAGE, 3.9))
-        left, right = figure.subfigures(1, 2, width_ratios=(1, 1.15))
+        parts: Any = figure.subfigures(1, 2, width_ratios=(1, 1.15))
+        left, right = parts
         friction, skills = left.subplots(2, 1)
         _draw_friction(friction, report.table_i.friction)
         _draw_skills(skills, report)

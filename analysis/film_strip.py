@@ -37,7 +37,7 @@ def compute_strip(recording: Recording, skills: Sequence[str]) -> list[Frame]:
     renderer = RobotRenderer(ROBOT.load_model(), *SIZE)
     frames = []
     try:
-        for span in spans([skills[label] for label in recording.skill[0]], recording.period_s):
+        for span in spans([skills[int(label)] for label in recording.skill[0]], recording.period_s):
             stride_s = 1.0 / (split_name(span.name)[1] or USUAL_HZ)
             for index in range(FRAMES):
                 time_s = span.end_s - BEFORE_SWITCH_S + index * stride_s / FRAMES

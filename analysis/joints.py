@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -44,7 +45,7 @@ def compute_joints(recording: Recording, skills: Sequence[str], clips: Sequence[
     fits best, from the clip of the nearest command."""
     period, columns = recording.period_s, list(JOINTS.values())
     actual = recording.joint_position[0][:, columns]
-    commanded = spans([skills[label] for label in recording.skill[0]], period)
+    commanded = spans([skills[int(label)] for label in recording.skill[0]], period)
     expert = np.full_like(actual, np.nan)
     for span in commanded:
         first, last = round((span.start_s + SETTLED_S) / period), round(span.end_s / period)
@@ -79,7 +80,8 @@ def draw_joints(traces: JointTraces, reference: Mapping[str, ReferenceSummary]) 
     """Thigh and calf over time; beside them the tracking of the expert's stride over all evaluated walks."""
     with style():
         figure = new_figure((PAGE, 3.3))
-        wide, narrow = figure.subfigures(1, 2, width_ratios=(3.6, 1)) if reference else (figure, None)
+        parts: Any = figure.subfigures(1, 2, width_ratios=(3.6, 1)) if reference else (figure, None)
+        wide, narrow = parts
         axes = wide.subplots(2, 1, sharex=True)
         for row, (joint, axis) in enumerate(zip(JOINTS, axes, strict=True)):
             _draw_joint(axis, traces, row)
@@ -117,7 +119,9 @@ def _draw_reference(axes: Axes, reference: Mapping[str, ReferenceSummary]) -> No
     looks = {"policy": ("o", ACTUAL), "standing": ("s", GREY), "other_gait": ("^", TARGET)}
     for part, (mark, colour) in looks.items():
         found = [getattr(reference[name], part) for name in rows]
-        values = [100 * np.mean([one.accuracy for one in kinds.values()]) if kinds else np.nan for kinds in found]
+        values = [
+            100 * float(np.mean([one.accuracy for one in kinds.values()])) if kinds else np.nan for kinds in found
+        ]
         axes.plot(values, range(len(rows)), mark, color=colour, markersize=3.5, label=part.replace("_", " "))
     axes.set_yticks(range(len(rows)), rows)
     axes.set_ylim(len(rows) - 0.5, -0.5)

@@ -35,10 +35,10 @@ def mutual_information(counts: Counts) -> float:
     The plug-in estimate of the joint frequencies; it is too great by about (C - 1)(S - 1) / (2 ln 2 n) bits for n
     walks. Raises ValueError for no walk.
     """
-    counts = np.asarray(counts, dtype=np.float64)
-    if counts.sum() <= 0.0:
+    walks = np.asarray(counts, dtype=np.float64)
+    if walks.sum() <= 0.0:
         raise ValueError("no walk: there is nothing to be told")
-    joint = counts / counts.sum()
+    joint = walks / walks.sum()
     independent = joint.sum(axis=1, keepdims=True) * joint.sum(axis=0, keepdims=True)
     told = joint > 0.0
     return float(max(0.0, (joint[told] * np.log2(joint[told] / independent[told])).sum()))
