@@ -36,7 +36,10 @@ def test_upright_walks_become_features_of_their_skills(folder, monkeypatch):
     walks = segments.policy_walks(run, folder)
     assert {(walk.gait, walk.frequency_hz) for walk in walks} <= {(g, f) for g in ("trot", "pronk") for f in (2.0, 3.0)}
     assert walks and all(walk.feature.shape == (14, 12) for walk in walks)
-    assert {tuple(np.round(walk.command, 2)) for walk in walks} <= {(0.6, 0.0, 0.0), (0.45, 0.1, 0.2)}
+    assert {tuple(np.round(walk.command.astype(float), 2).tolist()) for walk in walks} <= {
+        (0.6, 0.0, 0.0),
+        (0.45, 0.1, 0.2),
+    }
 
 
 def test_segments_are_made_once(folder, tmp_path, monkeypatch):
