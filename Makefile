@@ -3,6 +3,9 @@
 PYTHON ?= python3
 VENV   ?= .venv
 RUN    ?= outputs/latest
+RUNS   ?= $(RUN)
+STUDY  ?= ablations/studies/reduced.yaml
+LAUNCHER ?= parallel
 POLICY ?= src/camp/assets/policies/go2_camp
 ARGS   ?=
 BIN    := $(VENV)/bin
@@ -15,7 +18,7 @@ export MUJOCO_GL ?= $(if $(shell ldconfig -p 2>/dev/null | grep -F libEGL.so),eg
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint check train evaluate leaderboard transfer figures dataset bench clean
+.PHONY: help setup demo test lint check train evaluate leaderboard transfer figures ablations dataset bench clean
 .NOTPARALLEL:
 
 help: ## list the targets
@@ -39,7 +42,7 @@ $(STAMP): pyproject.toml constraints.txt
 
 demo: setup ## the shipped policy: short evaluation, a video of switches, figures (under 3 minutes)
 	"$(BIN)/python" -m camp.evaluate run="$(POLICY)" suite=short $(ARGS)
-	"$(BIN)/python" -m analysis run="$(POLICY)"
+	"$(BIN)/python" -m analysis run="$(POLICY)" only=training,confusion,contacts,film_strip
 
 test: setup ## run all tests, a file at a time on each of up to four processors
 	"$(BIN)/python" -m pytest -n auto --maxprocesses 4 --dist loadfile $(ARGS)
@@ -74,8 +77,13 @@ transfer: setup ## walk in four physics engines: the table of engines, outputs/t
 	"$(BIN)/python" -m camp.transfer "$(POLICY)" engine=all $(ARGS)
 	"$(BIN)/python" -m analysis.transfer
 
-figures: setup ## draw the figures of RUN
-	"$(BIN)/python" -m analysis run="$(RUN)"
+# From a fresh clone, without a run of one's own, those of the shipped policy.
+figures: setup ## draw the figures of RUNS (default: the latest run), PDF and PNG, and of the studies' results
+	@for run in $(if $(wildcard $(RUNS)),$(RUNS),$(if $(filter outputs/latest,$(RUNS)),$(POLICY),$(RUNS))); do \
+		"$(BIN)/python" -m analysis run="$$run" $(ARGS) || exit; done
+
+ablations: setup ## run STUDY with Hydra's LAUNCHER, or go on with it, and write ablations/results/
+	"$(BIN)/python" -m analysis.ablations "$(STUDY)" hydra/launcher="$(LAUNCHER)" $(ARGS)
 
 dataset: setup ## generate the expert motions that are missing (all: ARGS=--overwrite)
 	"$(BIN)/python" -m camp.dataset $(ARGS)

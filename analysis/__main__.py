@@ -1,61 +1,37 @@
-"""`python -m analysis [run=<folder>] [only=training|contacts|latent_space]`: draw a run's four figures, or those of one
-kind, into <folder>/figures and print their paths. Those of a shipped policy go into outputs/<its name>/figures."""
+"""`python -m analysis [run=<folder>] [only=<figure>,...]`: draw all figures of a run into <folder>/figures.
+
+Each is a PDF and a PNG. Those of a shipped policy go into outputs/<its name>/figures. Without `run` the newest
+evaluated run below outputs/ is taken. What lacks its input is left out, and a line says which command makes it; the
+others are drawn. `only` draws some: data_flow, training, confusion, robustness, film_strip, contacts, joints, clusters,
+dtw, dtw_expert, incentive, incentive_margins, skill_cost, or ablations (figures and Table IV of every study in
+ablations/results).
+"""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-import numpy as np
-
 from analysis import load
-from analysis.clusters import POINTS_PER_SKILL, compute_clusters, draw_clusters, sample_transitions
-from analysis.contacts import compute_diagram, draw_diagram
-from analysis.dtw import compute_distances, draw_distances
-from analysis.style import save
-from analysis.training import compute_curves, draw_curves
-from camp.build import load_run
+from analysis.gallery import FIGURES, STUDY_FIGURES, Sources, studies, tables
+from analysis.style import save_both
 from camp.cli.key_values import run_command
-from camp.common.files import make_folder
+from camp.common.errors import CampError
+from camp.common.files import make_folder, write_text
 from camp.common.paths import policies_root
 from camp.common.progress import phase
-from camp.runs.folder import FIGURES, results_folder
+from camp.runs.folder import FIGURES as FOLDER
+from camp.runs.folder import results_folder
 
-SEED = 0
-
-
-def draw_training(folder: Path) -> list[Path]:
-    """Write training.png from the run folder's metrics."""
-    training = compute_curves(load.learning_curve(folder))
-    return [save(draw_curves(training), figures_folder(folder) / "training.png")]
-
-
-def draw_contacts(folder: Path) -> list[Path]:
-    """Write contacts.png from the run folder's evaluation."""
-    diagram = compute_diagram(load.switching_sequence(load.evaluation_folder(folder)))
-    return [save(draw_diagram(diagram), figures_folder(folder) / "contacts.png")]
-
-
-def draw_latent_space(folder: Path) -> list[Path]:
-    """Write clusters.png and dtw.png from the run's skill discriminator and expert clips."""
-    with phase("reading the expert's clips", stream=sys.stderr):
-        run = load_run(folder)
-        clips, skills = load.clip_features(run), run.config.motion.skill_set()
-    feature, skill = sample_transitions(clips, POINTS_PER_SKILL, np.random.default_rng(SEED), skills)
-    with phase(f"t-SNE and K-means of {len(feature)} transitions", stream=sys.stderr):
-        clusters = compute_clusters(feature, skill, SEED)
-    with phase("DTW distances between the skills", stream=sys.stderr):
-        distances = compute_distances(clips)
-    return [
-        save(draw_clusters(clusters), figures_folder(folder) / "clusters.png"),
-        save(draw_distances(distances), figures_folder(folder) / "dtw.png"),
-    ]
+ABLATIONS = "ablations"
+Task = Callable[[], list[Path]]
 
 
 def figures_folder(folder: Path) -> Path:
     """Where the run's figures go."""
-    return results_folder(folder) / FIGURES
+    return results_folder(folder) / FOLDER
 
 
 def run_folder(arguments: Sequence[str]) -> Path:
@@ -73,28 +49,73 @@ def run_folder(arguments: Sequence[str]) -> Path:
     return folder
 
 
-def draw_figures(arguments: Sequence[str]) -> None:
-    """Draw all figures and print their paths. Raises CampError where something is missing.
-
-    Learning curves come first: they need no evaluation. What takes its time says so on stderr.
-    """
-    kinds = {"training": draw_training, "contacts": draw_contacts, "latent_space": draw_latent_space}
-    only = [argument.removeprefix("only=") for argument in arguments if argument.startswith("only=")]
-    unknown = [kind for kind in only if kind not in kinds]
+def chosen(arguments: Sequence[str]) -> list[str]:
+    """The names after only=, or all. Raises AnalysisError for one that does not exist."""
+    known = [*FIGURES, ABLATIONS]
+    only = [name for one in arguments if one.startswith("only=") for name in one.removeprefix("only=").split(",")]
+    unknown = [name for name in only if name not in known]
     if unknown:
-        raise load.AnalysisError(f"only={unknown[0]}: no such figures; choose one of {', '.join(kinds)}")
+        raise load.AnalysisError(f"only={unknown[0]}: no such figure; choose from {', '.join(known)}")
+    return only or known
+
+
+def tasks(names: Sequence[str], sources: Sources, target: Path) -> Iterator[tuple[str, Task]]:
+    """What is to be drawn, by name."""
+    for name in names:
+        if name != ABLATIONS:
+            yield name, lambda name=name: save_both(FIGURES[name](sources), target, name)
+            continue
+        try:
+            found = studies(sources.results)
+        except CampError as error:
+            yield ABLATIONS, _failing(error)
+            continue
+        for study in found:
+            for kind, draw in STUDY_FIGURES.items():
+                file = f"{study.study}_{kind}"
+                yield file, lambda draw=draw, study=study, file=file: save_both(draw(study), target, file)
+            yield f"{study.study}_table", lambda study=study: _write_tables(study, target)
+
+
+def _failing(error: CampError) -> Task:
+    def fail() -> list[Path]:
+        raise error
+
+    return fail
+
+
+def _write_tables(study, target: Path) -> list[Path]:
+    paths = []
+    for suffix, text in tables(study).items():
+        path = target / f"{study.study}_table.{suffix}"
+        write_text(path, text)
+        paths.append(path)
+    return paths
+
+
+def draw_figures(arguments: Sequence[str]) -> None:
+    """Draw the figures, a line for each. Raises CampError where none can be drawn."""
+    names = chosen(arguments)
     folder = run_folder([argument for argument in arguments if not argument.startswith("only=")])
-    make_folder(figures_folder(folder))  # before any work
-    try:
-        for draw in [kinds[kind] for kind in only or kinds]:
-            for path in draw(folder):
-                print(path)
-    except load.NoLatentSpaceError as absent:
-        print(f"clusters.png and dtw.png left out: {absent}", file=sys.stderr)
+    target = make_folder(figures_folder(folder))
+    drawn, last = 0, None
+    for name, task in tasks(names, Sources(folder), target):
+        begun = time.perf_counter()
+        try:
+            with phase(f"drawing {name}", stream=sys.stderr):
+                paths = task()
+        except CampError as error:
+            last = error
+            print(f"{name} is left out: {error}", file=sys.stderr, flush=True)
+            continue
+        drawn += 1
+        print(f"{' '.join(map(str, paths))} ({time.perf_counter() - begun:.1f} s)", flush=True)
+    if not drawn and last is not None:
+        raise load.AnalysisError(f"nothing was drawn: {last}")
 
 
 def main(arguments: list[str]) -> int:
-    """Draw the figures; returns the exit code, 2 where a line on stderr says what is missing."""
+    """Draw the figures; returns the exit code, 2 where none could be drawn."""
     return run_command(draw_figures, arguments, __doc__)
 
 

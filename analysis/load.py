@@ -147,17 +147,24 @@ def _check_arrays(sequence: SwitchingSequence) -> None:
 def clip_features(run: Run) -> list[ClipFeatures]:
     """Skill-discriminator features of the run's expert clips, without those whose command changes on the way.
 
-    The only place where the figures touch the networks. Raises NoLatentSpaceError for a run without one.
+    Raises NoLatentSpaceError for a run without a skill discriminator.
     """
+    if run.skill_prior is None:
+        return features_of(run, [])
+    return features_of(run, [clip for clip in run.clips if clip.is_steady])
+
+
+def features_of(run: Run, clips: Sequence[Clip]) -> list[ClipFeatures]:
+    """Features of clips of constant command by the run's skill discriminator. Raises NoLatentSpaceError."""
     if run.skill_prior is None:
         raise NoLatentSpaceError(
             "the run has no skill discriminator and so no latent space: choose a run trained with one"
         )
-    ages = run.config.env.transition_ages
-    return [_features(run.skill_prior, clip, ages) for clip in run.clips if clip.is_steady]
+    return [prior_features(run.skill_prior, clip, run.config.env.transition_ages) for clip in clips]
 
 
-def _features(prior: SkillPrior, clip: Clip, ages: Sequence[int]) -> ClipFeatures:
+def prior_features(prior: SkillPrior, clip: Clip, ages: Sequence[int]) -> ClipFeatures:
+    """What a skill discriminator sees in a clip of constant command; the only place where figures touch networks."""
     state = torch.from_numpy(amp_state(clip)).to(prior.embedding.weight.device)
     shown = transitions(state, ages)
     unread = torch.zeros(len(shown), dtype=torch.int64, device=shown.device)
@@ -173,8 +180,12 @@ def _features(prior: SkillPrior, clip: Clip, ages: Sequence[int]) -> ClipFeature
 
 def gaits_of(clips: list[ClipFeatures]) -> list[str]:
     """Names of the gaits that occur, in the order of GAIT_PHASES, others behind."""
-    found = dict.fromkeys(clip.gait for clip in clips)
-    return sorted(found, key=lambda gait: [*GAIT_PHASES, gait].index(gait))
+    return in_order([clip.gait for clip in clips])
+
+
+def in_order(gaits: Sequence[str]) -> list[str]:
+    """Each gait once, in the order of GAIT_PHASES, others behind."""
+    return sorted(dict.fromkeys(gaits), key=lambda gait: [*GAIT_PHASES, gait].index(gait))
 
 
 def first_touchdown(contact: NDArray[np.bool_]) -> int:

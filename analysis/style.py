@@ -18,11 +18,13 @@ from camp.gaits.gait import GAITS
 from camp.gaits.skills import split_name
 from camp.metrics.gait import NO_GAIT
 
-WIDE = (7.2, 3.4)  # inches, across a page's two columns
+COLUMN, PAGE = 3.5, 7.16  # inches, the width of a column and of both in a two-column paper
+WIDE = (PAGE, 3.4)
 SQUARE = (5.6, 5.0)
-BAND = (7.2, 2.7)
+BAND = (PAGE, 2.7)
 DPI = 200
-INK = "#222222"
+INK, GREY, GRID = "#222222", "#8A8A8A", "#E5E5E5"
+SEQUENTIAL = "cividis"  # colour map of magnitudes, told apart with any colour vision and in grey
 
 GAIT_COLOURS = {gait.name: gait.colour for gait in GAITS.values()} | {NO_GAIT: "#BBBBBB"}
 TERM_COLOURS = {"task": INK, "style": "#D55E00", "skill": "#56B4E9"}  # of the reward, none of them a gait's
@@ -44,6 +46,7 @@ _RC: dict[Any, Any] = {
     "legend.frameon": False,
     "legend.fontsize": 8.0,
     "savefig.dpi": DPI,
+    "pdf.fonttype": 42,  # TrueType, which publishers ask for
 }
 
 
@@ -81,11 +84,22 @@ def skill_shades(skills: list[str]) -> dict[str, tuple[float, float, float]]:
 
 
 def save(figure: Figure, path: Path) -> Path:
-    """Write a PNG, creating its folder; returns the path. Raises ConfigError where it cannot be written."""
+    """Write a file, PNG or PDF by its suffix, creating its folder; returns the path.
+
+    Raises ConfigError where it cannot be written.
+    """
     make_folder(path.parent)
+    kind = path.suffix.removeprefix(".")
+    # Without a date the same figure is the same file.
+    metadata = {"CreationDate": None} if kind == "pdf" else None
     try:
-        with whole_file(path) as file:
-            figure.savefig(file, format="png", dpi=DPI)
+        with style(), whole_file(path) as file:
+            figure.savefig(file, format=kind, dpi=DPI, metadata=metadata)
     except OSError as error:
         raise ConfigError(f"file {path}: {error.strerror or error}; free some space or remove it") from error
     return path
+
+
+def save_both(figure: Figure, folder: Path, name: str) -> list[Path]:
+    """Write <name>.png and <name>.pdf into the folder."""
+    return [save(figure, folder / f"{name}.{kind}") for kind in ("png", "pdf")]

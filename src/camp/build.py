@@ -145,7 +145,7 @@ def build_training(config: Config) -> Training:
             _build_critic(config, weights).to(device),
             config.algo.ppo,
         ),
-        priors=_build_priors(config, embedding, weights),
+        priors=build_priors(config, embedding, weights),
         demonstrations=Demonstrations(
             clips,
             skills,
@@ -228,7 +228,8 @@ def _observed(config: Config) -> tuple[int, int]:
     return size(entries_of(observed.policy, num_skills)), size(entries_of(observed.critic, num_skills))
 
 
-def _build_priors(config: Config, embedding: SkillEmbedding, weights: torch.Generator) -> list[Prior]:
+def build_priors(config: Config, embedding: SkillEmbedding, weights: torch.Generator) -> list[Prior]:
+    """The style and the skill prior, as far as they are enabled, on the embedding's device."""
     algo, skills, shape = config.algo, names(config.motion.skill_set()), _motion_shape(config)
     priors: list[Prior] = []
     if algo.style.enabled:

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from analysis.clusters import compute_clusters, compute_partition, draw_clusters, sample_transitions
+from analysis.clusters import compute_clusters, compute_partition, draw_clusters, match, sample_transitions
 from analysis.style import GAIT_COLOURS, save, skill_shades
 from camp.gaits.skills import skill_set
 from tests.analysis.synthetic import clip_features
@@ -43,7 +43,9 @@ def test_skills_of_one_gait_have_shades_of_its_colour():
 
 def test_kmeans_recovers_separable_gaits(separable):
     partition = separable.partition
-    assert partition.rand == 1.0 and partition.purity == 1.0
+    scores = partition.scores
+    assert scores.accuracy == scores.rand == 1.0 and scores.information == pytest.approx(1.0)
+    assert scores.silhouette > 0.3  # six of the eight dimensions are noise
     assert (partition.cluster == partition.skill).all()  # names too, not only the partition
     assert separable.position.shape == (120, 2)
 
@@ -60,24 +62,43 @@ def test_labels_without_structure_score_like_chance():
     generator = np.random.default_rng(1)
     gait = np.repeat(["trot", "pace", "bound", "pronk"], 40)
     partition = compute_partition(generator.normal(size=(160, 8)), gait, seed=0)
-    assert abs(partition.rand) < 0.1
-    assert partition.purity < 0.5
+    scores = partition.scores
+    assert abs(scores.rand) < 0.1 and scores.information < 0.1 and abs(scores.silhouette) < 0.1
+    assert scores.accuracy < 0.5
 
 
-def test_purity_and_rand_by_hand():
+def test_scores_by_hand():
     # Two tight groups; one trot of four lies among the paces: 7 of 8 points share their cluster's gait.
     feature = np.array([[x, 0.0] for x in (0.0, 0.1, 0.2, 9.9, 10.0, 10.1, 10.2, 10.3)])
     gait = np.array(["trot"] * 4 + ["pace"] * 4)
     partition = compute_partition(feature, gait, seed=0)
-    assert partition.purity == pytest.approx(7 / 8)
+    assert partition.scores.accuracy == pytest.approx(7 / 8)
     # Pairs together in both: C(3,2) + C(4,2) = 9; in truth 12, in clusters C(3,2) + C(5,2) = 13, of 28:
     # (9 - 12 * 13 / 28) / ((12 + 13) / 2 - 12 * 13 / 28).
-    assert partition.rand == pytest.approx((9 - 156 / 28) / (12.5 - 156 / 28))
+    assert partition.scores.rand == pytest.approx((9 - 156 / 28) / (12.5 - 156 / 28))
     assert partition.cluster.tolist() == ["trot"] * 3 + ["pace"] * 5
+
+
+def test_clusters_are_matched_one_to_one():
+    # Both clusters hold label 0 most often, 3 of 4 and 2 of 3 points; one each gives the second cluster label 1.
+    cluster, truth = np.array([0, 0, 0, 0, 1, 1, 1]), np.array([0, 0, 0, 1, 0, 0, 1])
+    assert match(cluster, truth, 2).tolist() == [0, 1]
+
+
+def test_the_policys_motion_is_judged_by_the_experts_clusters():
+    generator = np.random.default_rng(0)
+    feature, gait = sample_transitions(clip_features(generator), 20, generator)
+    shown = gait.copy()
+    shown[:20] = shown[20]  # the first 20 points were commanded another gait than they show
+    clusters = compute_clusters(feature, gait, 0, (feature, shown))
+    assert clusters.policy is not None and clusters.policy.accuracy == pytest.approx(0.75)
+    assert clusters.position.shape == clusters.policy.position.shape == (80, 2)
+    titles = [axes.get_title() for axes in draw_clusters(clusters).axes]
+    assert titles[2] == "policy, by command: 75.0% right"
 
 
 def test_figure_is_written_with_its_scores(separable, tmp_path):
     figure = draw_clusters(separable)
     assert isinstance(figure, Figure)
-    assert any("adjusted Rand index 1.00, purity 100%" in axes.get_title() for axes in figure.axes)
+    assert figure.axes[1].get_title() == "K-means: 100.0% right"
     assert save(figure, tmp_path / "new" / "clusters.png").stat().st_size > 10_000

@@ -52,5 +52,5 @@ def test_figure_names_feet_and_skills(sequence, tmp_path):
     assert isinstance(figure, Figure)
     feet = figure.axes[0]
     assert [label.get_text() for label in feet.get_yticklabels()] == ["FL", "FR", "RL", "RR"]
-    assert [text.get_text() for text in feet.texts] == ["trot", "pronk"]
+    assert [text.get_text() for text in feet.texts] == ["commanded: trot", "pronk"]
     assert save(figure, tmp_path / "contacts.png").stat().st_size > 10_000

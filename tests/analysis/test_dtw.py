@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from analysis.dtw import LatentDistances, compute_distances, draw_distances, whole_strides
+from analysis.dtw import LatentDistances, compute_distances, draw_distances, mean_distances, whole_strides
 from analysis.load import AnalysisError, ClipFeatures
 from analysis.style import save
 from tests.analysis.synthetic import PERIOD, clip_features
@@ -68,8 +68,18 @@ def test_no_clips_is_named_with_its_remedy():
         compute_distances([])
 
 
-def test_figure_is_written_with_every_value(tmp_path):
-    figure = draw_distances(LatentDistances(["trot_2hz", "pace_2hz"], np.array([[0.0, np.nan], [np.nan, 3.24]])))
+def test_other_clips_are_the_columns_and_their_diagonal_counts():
+    here = ClipFeatures("trot", 2.0, np.zeros(3), np.zeros((199, 2)), 0, PERIOD)
+    pace = replace(here, gait="pace", feature=np.full((199, 2), 1.0))
+    there = [replace(here, feature=np.tile([3.0, 4.0], (199, 1))), pace]
+    found = compute_distances([here, pace], there)
+    np.testing.assert_allclose(found.distance, [[50.0, 10 * 2**0.5], [10 * (4.0 + 9.0) ** 0.5, 0.0]])
+
+
+def test_the_mean_is_over_seeds_and_figure_is_written_with_every_value(tmp_path):
+    labels = ["trot_2hz", "pace_2hz"]
+    one, two = (LatentDistances(labels, np.array([[0.0, np.nan], [value, 0.0]])) for value in (3.0, 3.4))
+    figure = draw_distances({"mean": mean_distances([one, two])})
     assert isinstance(figure, Figure)
-    assert [text.get_text() for text in figure.axes[0].texts] == ["0", "-", "-", "3.24"]
+    assert [text.get_text() for text in figure.axes[0].texts] == ["", "-", "3.2", ""]
     assert save(figure, tmp_path / "dtw.png").stat().st_size > 10_000

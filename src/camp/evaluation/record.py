@@ -18,7 +18,10 @@ SECTIONS = (
 
 
 def log_evaluation(run: Run, folder: Path, report: Report, videos: dict[str, Path]) -> None:
-    """Log the report's numbers and the videos, as the run's own ``logger`` settings say. Raises ConfigError."""
+    """Log the videos, and the report's numbers in the summary, as the run's own ``logger`` settings say.
+
+    Raises ConfigError.
+    """
     config = run.config
     if config.logger.wandb_mode == "disabled":
         return
@@ -31,7 +34,9 @@ def log_evaluation(run: Run, folder: Path, report: Report, videos: dict[str, Pat
         # Online the resumed run goes on behind its last step; offline each part begins at 0 unless it is told.
         step = None if config.logger.wandb_mode == "online" else run.iteration + 1
         pictures = {f"evaluation/video/{name}": wandb.Video(str(path), format="mp4") for name, path in videos.items()}
-        record.log(values | pictures, step=step)
+        if pictures:
+            record.log(pictures, step=step)
+        # In the summary alone, which tables of runs show; logged, each would be a panel of a single dot.
         record.summary.update(values)
     finally:
         record.finish()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import secrets
 import shlex
 from dataclasses import dataclass, field
@@ -30,7 +31,8 @@ class RunIdentity:
 
     @property
     def name(self) -> str:
-        return self.folder.resolve().name  # of the run itself, where outputs/latest was given
+        """Variant and seed: the run folder's own name, also where outputs/latest was given, without its date."""
+        return re.sub(r"^\d{8}-\d{6}-", "", self.folder.resolve().name)
 
 
 def start_wandb(identity: RunIdentity, logger: LoggerConfig, config: DictConfig) -> Any:

@@ -1,0 +1,115 @@
+"""Motion that a run's discriminators have not learned from: new segments of the expert, and the policy's own walks.
+
+The expert walks a command that none of the shipped clips has, 10 s of each skill as in the paper (Sec. IV-A). Its
+segments are kept in outputs/reference_segments; making one takes seconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from analysis.load import ClipFeatures, features_of, first_touchdown
+from camp.build import Run
+from camp.data import Transition
+from camp.evaluation.composing import compose_evaluation
+from camp.evaluation.plan import ONE_SIZE, Disturbances, Plan
+from camp.evaluation.recording import Recording, record
+from camp.evaluation.rollout import Setting, roll_out
+from camp.evaluation.sampling import standing_starts
+from camp.evaluation.subjects import subject_of_run
+from camp.gaits.skills import Skill
+from camp.metrics.gait import measure_gait
+from camp.motion.clips.clip import Clip
+from camp.motion.clips.sampler import transitions
+from camp.motion.clips.store import load_clip, save_clip
+from camp.motion.dataset.generate import generate_clip
+from camp.motion.dataset.requests import ClipRequest
+from camp.robots.registry import find_robot
+from camp.sim.base import Dynamics
+
+UNSEEN = (0.45, 0.1, 0.2)  # vx, vy in m/s, yaw rate in rad/s
+SEGMENT_S = 10.0
+FOLDER = Path("outputs/reference_segments")
+FORWARD = (0.6, 0.0, 0.0)
+COMMANDS = (FORWARD, UNSEEN)  # of the policy's walks
+WALK_S = (2.0, 4.0)  # of a walk: until its gait has settled, and then
+CONTROL_S = 0.02
+USUAL_HZ = 2.0  # of skills that have no frequency, where none is measured
+
+
+def reference_segments(run: Run, folder: Path = FOLDER) -> list[Clip]:
+    """10 s of each of the run's skills; made where they are not there yet. Raises ClipError."""
+    cells = dict.fromkeys(
+        (skill.gait, hz) for skill in run.config.motion.skill_set() for hz in _frequencies(skill, run)
+    )
+    jobs = [(run.config.robot.name, ClipRequest(gait, hz, UNSEEN), folder) for gait, hz in cells]
+    missing = [job for job in jobs if not _path(*job[1:]).is_file()]
+    if missing:
+        print(f"the expert walks {len(missing)} new segments of {SEGMENT_S:g} s (once)", flush=True)
+        with get_context("spawn").Pool(min(2, len(missing))) as pool:
+            pool.map(_make, missing)
+    return [load_clip(_path(request, folder)) for _, request, folder in jobs]
+
+
+def _frequencies(skill: Skill, run: Run) -> Sequence[float]:
+    return [skill.frequency_hz] if skill.frequency_hz else list(run.config.motion.frequencies_hz)
+
+
+def _path(request: ClipRequest, folder: Path) -> Path:
+    return folder / f"{request.name}_{SEGMENT_S:g}s.npz"
+
+
+def _make(job: tuple[str, ClipRequest, Path]) -> None:
+    name, request, folder = job
+    torch.set_num_threads(1)
+    clip = generate_clip(find_robot(name), request, round(SEGMENT_S / CONTROL_S) + 1)
+    save_clip(_path(request, folder), clip)
+
+
+def policy_walks(run: Run, folder: Path) -> list[ClipFeatures]:
+    """The policy's own walks of every skill at COMMANDS, as its skill discriminator sees them, from WALK_S[0] s on.
+
+    A walk that falls is left out. Raises NoLatentSpaceError for a run without a skill discriminator.
+    """
+    features_of(run, [])  # is there one at all?
+    assert run.skill_prior is not None
+    walked, subject = _walk(run, folder), subject_of_run(run, folder, "walks", baselines=False)
+    skills, ages, first = subject.contract.skill_set, run.config.env.transition_ages, round(WALK_S[0] / CONTROL_S)
+    found = []
+    for row in np.flatnonzero(~walked.fallen):
+        shown = transitions(torch.from_numpy(walked.amp_state[row, first:]), ages)
+        feature = run.skill_prior.predict(Transition(shown, torch.zeros(len(shown), dtype=torch.int64)))
+        skill, contact = skills[walked.skill[row, 0]], walked.step_contact[row, first:]
+        measured = float(measure_gait(contact[None], CONTROL_S).frequency_hz[0])
+        frequency = skill.frequency_hz or (measured if np.isfinite(measured) else USUAL_HZ)
+        touchdown = first_touchdown(contact[ages[0] - 1 :, 0])
+        found.append(ClipFeatures(skill.gait, frequency, walked.command[row], feature.numpy(), touchdown, CONTROL_S))
+    return found
+
+
+def _walk(run: Run, folder: Path) -> Recording:
+    """Nominal robots from standing: every skill at each of COMMANDS."""
+    subject, evaluation = subject_of_run(run, folder, "walks", baselines=False), compose_evaluation()
+    num = len(run.skills) * len(COMMANDS)
+    label = torch.arange(len(run.skills)).repeat_interleave(len(COMMANDS))
+    plan = Plan(
+        "walks",
+        label[:, None].repeat(1, round(sum(WALK_S) / CONTROL_S)),
+        torch.tensor(COMMANDS).repeat(len(run.skills), 1),
+        standing_starts(num, ONE_SIZE, torch.Generator().manual_seed(0)),
+        Dynamics.nominal(num, evaluation.randomization.nominal_friction, torch.device("cpu")),
+        Disturbances.of(num),
+    )
+    robot = find_robot(run.config.robot.name)
+    setting = Setting(CONTROL_S, robot, evaluation.noise, evaluation.push_period_s, seed=0)
+    return record(roll_out([(plan, subject.controller())], setting)[0])
+
+
+def segment_features(run: Run, folder: Path = FOLDER) -> list[ClipFeatures]:
+    """The skill discriminator's features of the reference segments, as `analysis.load` gives those of clips."""
+    return features_of(run, reference_segments(run, folder))

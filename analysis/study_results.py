@@ -1,0 +1,146 @@
+"""A study's result: every run's figures in one JSON, which tables and figures are drawn from."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import TypeAdapter, ValidationError
+from pydantic.dataclasses import dataclass as checked
+
+from analysis.load import AnalysisError
+from analysis.provenance import provenance
+from analysis.reports import read_report
+from analysis.study import Study, Thresholds, jobs_of
+from analysis.study_runs import seconds_of, state_of
+from camp.common.files import write_text
+from camp.runs.folder import METRICS
+from camp.runs.metrics import read_metrics
+
+RESULTS = Path("ablations/results")
+CURVE_POINTS = 40
+_ACCURACY = re.compile(r"gait/([^/]+)/accuracy")
+
+
+@checked
+class RunResult:
+    """One run. confusion: commanded skill -> shown -> walks; switches_completed: fraction in time; curve: environment
+    steps in millions and the fraction of robots that show their skill, mean over skills, while training."""
+
+    arm: str
+    seed: int
+    iterations: int
+    seconds: float
+    suite: str
+    confusion: dict[str, dict[str, int]]
+    switches_completed: float | None
+    linear_error_m_s: float
+    walks: int
+    falls: int
+    curve_steps: list[float]
+    curve_accuracy: list[float]
+
+
+@checked
+class StudyResult:
+    """All finished runs of a study, with the thresholds that were set before, and where they come from."""
+
+    study: str
+    question: str
+    digest: str
+    thresholds: Thresholds
+    arms: list[str]
+    runs: list[RunResult]
+    missing: list[str]  # arm and seed of what is not done yet
+    origin: dict[str, Any]
+
+    def of_arm(self, arm: str) -> list[RunResult]:
+        """The arm's runs."""
+        return [run for run in self.runs if run.arm == arm]
+
+
+_ADAPTER = TypeAdapter(StudyResult)
+
+
+def collect(study: Study, runs: Path) -> StudyResult:
+    """Read what is done of a study."""
+    found, missing = [], []
+    for job in jobs_of(study):
+        state = state_of(job, runs)
+        if state.folder is None or not state.done(study):
+            missing.append(f"{job.arm} seed {job.seed}")
+        else:
+            found.append(_run_result(job.arm, job.seed, state.folder))
+    return StudyResult(
+        study=study.name,
+        question=study.question,
+        digest=study.digest,
+        thresholds=study.thresholds,
+        arms=list(study.arms),
+        runs=found,
+        missing=missing,
+        origin=provenance(),
+    )
+
+
+def _run_result(arm: str, seed: int, folder: Path) -> RunResult:
+    report = read_report(folder)
+    trained = report.policies["trained"]
+    completed = report.switching.all.completed if report.switching else None
+    steps, accuracy = condensed_curve(read_metrics(folder / METRICS))
+    return RunResult(
+        arm=arm,
+        seed=seed,
+        iterations=report.iteration or 0,
+        seconds=round(seconds_of(folder), 1),
+        suite=f"{report.suite.name} {report.suite.digest}",
+        confusion=trained.confusion,
+        switches_completed=completed.value if completed else None,
+        linear_error_m_s=trained.all.linear_error_m_s,
+        walks=trained.all.rollouts,
+        falls=trained.all.falls,
+        curve_steps=steps,
+        curve_accuracy=accuracy,
+    )
+
+
+def condensed_curve(rows: Sequence[dict[str, Any]]) -> tuple[list[float], list[float]]:
+    """Steps in millions and the accuracy of training's own gait readings, mean over skills, at CURVE_POINTS places."""
+    steps, accuracy = [], []
+    for row in rows:
+        read = [value for key, value in row.items() if _ACCURACY.fullmatch(key) and value is not None]
+        if read and row.get("steps"):
+            steps.append(row["steps"] / 1e6)
+            accuracy.append(float(np.mean(read)))
+    if not steps:
+        return [], []
+    places = np.linspace(steps[0], steps[-1], min(CURVE_POINTS, len(steps)))
+    return places.round(4).tolist(), np.interp(places, steps, accuracy).round(4).tolist()
+
+
+def result_path(name: str) -> Path:
+    """Where a study's result is kept."""
+    return RESULTS / f"{name}.json"
+
+
+def write_result(path: Path, result: StudyResult) -> None:
+    """Write the JSON whole. Raises ConfigError where the folder cannot be written."""
+    write_text(path, json.dumps(asdict(result), indent=1) + "\n")  # type: ignore[call-overload]
+
+
+def read_result(path: Path) -> StudyResult:
+    """Read a study's JSON. Raises AnalysisError in one line that names the command that makes it."""
+    remedy = f"make it with `make ablations STUDY=ablations/studies/{path.stem}.yaml`"
+    try:
+        return _ADAPTER.validate_json(path.read_bytes())
+    except OSError as error:
+        raise AnalysisError(f"result {path}: {error.strerror or error}; {remedy}") from error
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = ".".join(map(str, first["loc"])) or "the file"
+        raise AnalysisError(f"result {path}: {where}: {first['msg']}; {remedy}") from error
