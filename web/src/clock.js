@@ -1,5 +1,5 @@
-const LONGEST_BACKLOG_S = 0.25; // more is dropped: a slow device shows slow motion, and a hidden tab stands still
-const BUDGET_MS = 40; // of computing for one picture
+const LONGEST_BACKLOG_S = 1; // more is dropped: a slow device shows slow motion, and a hidden tab stands still
+const LEAST_BUDGET_MS = 40; // of computing for one picture; half of the time where pictures take longer
 
 /** Turns time that has passed on the screen into physics timesteps. */
 export class Clock {
@@ -14,11 +14,13 @@ export class Clock {
 
   /** Run `tick` as often as the time since the last call asks for. now: ms. */
   async advance(now, tick) {
-    const passed = this.last === null || this.paused ? 0 : ((now - this.last) / 1000) * this.speed;
+    const passedMs = now - (this.last ?? now);
+    const budgetMs = Math.max(LEAST_BUDGET_MS, passedMs / 2);
     this.last = now;
-    this.backlogS = Math.min(this.backlogS + passed, LONGEST_BACKLOG_S);
+    if (this.paused) return;
+    this.backlogS = Math.min(this.backlogS + (passedMs / 1000) * this.speed, LONGEST_BACKLOG_S);
     const start = performance.now();
-    while (this.backlogS >= this.stepS && performance.now() - start < BUDGET_MS) {
+    while (this.backlogS >= this.stepS && performance.now() - start < budgetMs) {
       await tick();
       this.backlogS -= this.stepS;
     }

@@ -17,7 +17,7 @@ export function debounced(rows, periodS, bounceS) {
   return closed;
 }
 
-/** The latest rows of a walk, each {contact, velocity, skill, gait}; `count` numbers all rows ever added. */
+/** The latest rows of a walk, each {contact, velocity, skill, pushed, gait}; `count` numbers all rows ever added. */
 export class WalkLog {
   /** capacity: how many rows are kept. */
   constructor(capacity) {

@@ -1,4 +1,4 @@
-import { gaitColour } from './colours.js';
+import { gaitIcon } from './icon.js';
 import { splitName } from './skills.js';
 import { COMMANDS, commandText, spoken } from './words.js';
 
@@ -45,11 +45,12 @@ export class Controls {
     const button = document.createElement('button');
     button.type = 'button';
     button.dataset.skill = name;
-    button.style.setProperty('--gait', gaitColour(gait, rules));
-    button.textContent = spoken(gait);
+    const phases = rules.gaits.find((known) => known.name === gait)?.phases;
+    const text = Object.assign(document.createElement('span'), { textContent: spoken(gait) });
     if (frequencyHz !== null) {
-      button.append(Object.assign(document.createElement('small'), { textContent: `${frequencyHz} strides/s` }));
+      text.append(Object.assign(document.createElement('small'), { textContent: `${frequencyHz} strides/s` }));
     }
+    button.append(text, ...(phases ? [gaitIcon(phases)] : []));
     button.addEventListener('click', () => this.choose(this.metadata.skills.indexOf(name)));
     this.page.skills.append(button);
     return button;

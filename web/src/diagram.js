@@ -1,8 +1,12 @@
-import { gaitColour, LEG_COLOURS } from './colours.js';
+import { LEG_COLOURS, PUSH_COLOUR } from './colours.js';
+import { debounced } from './contacts.js';
 import { splitName } from './skills.js';
 import { spoken } from './words.js';
 
+const ASKED = '#5b6875';
 const INK = '#17212b';
+const RIGHT = '#17212b'; // measured as asked for
+const OTHER = '#a9b4bf';
 const FAINT = '#5b6875';
 const LANE = '#e6ebf0';
 const NAMES = { F: 'front', R: 'rear', L: 'left' };
@@ -15,27 +19,38 @@ export class Diagram {
     this.periodS = periodS;
   }
 
-  /** log: WalkLog. */
+  /** Returns whether the robot was pushed in the time that is shown. log: WalkLog. */
   draw(log) {
     const { width, height, pen } = this.prepare();
     const wide = width > 520;
     const seconds = wide ? 4 : 2.5;
-    const left = wide ? 112 : 64;
+    const left = wide ? 128 : 68;
     const space = { left, width: width - left, rows: Math.round(seconds / this.periodS) };
     const lane = (height - 18) / 6;
     const rows = log.latest(space.rows);
-    this.drawGaits(pen, rows.map((row) => splitName(row.skill).gait), { ...space, top: 0, lane, name: 'Asked for' });
-    this.drawGaits(pen, rows.map((row) => row.gait), { ...space, top: lane, lane, name: 'Measured' });
+    const contact = debounced(rows.map((row) => row.contact), this.periodS, this.rules.bounce_s); // as is measured
+    const asked = rows.map((row) => splitName(row.skill).gait);
+    const measured = rows.map((row) => row.gait);
+    this.drawName(pen, 'Asked for', 0, lane, 0);
+    this.drawGaits(pen, space, 0, lane, asked.map((gait) => [gait, ASKED]));
+    this.drawName(pen, 'Measured', lane, lane, 0);
+    const verdict = measured.map((gait, row) => [gait, gait === asked[row] ? RIGHT : OTHER]);
+    this.drawGaits(pen, space, lane, lane, verdict);
     this.rules.feet.forEach((leg, i) => {
       const top = (i + 2) * lane;
-      this.drawName(pen, wide ? `${leg}  ${legName(leg)}` : leg, top, lane, LEG_COLOURS[i]);
+      pen.fillStyle = LEG_COLOURS[i];
+      pen.fillRect(0, top + lane / 2 - 6, 12, 12);
+      this.drawName(pen, wide ? `${leg}  ${legName(leg)}` : leg, top, lane, 18);
       this.drawLane(pen, space, top, lane);
       pen.fillStyle = LEG_COLOURS[i];
-      for (const [begin, end] of runs(rows.map((row) => row.contact[i]))) {
+      for (const [begin, end] of runs(contact.map((row) => row[i]))) {
         this.drawBar(pen, space, top, lane, begin - rows.length, end - rows.length);
       }
     });
+    const pushes = rows.flatMap((row, i) => (row.pushed ? [i] : []));
     this.drawAxis(pen, space, seconds, height);
+    pushes.forEach((row) => this.drawPush(pen, space, row - rows.length, 6 * lane));
+    return pushes.length > 0;
   }
 
   prepare() {
@@ -51,25 +66,25 @@ export class Diagram {
     return { width, height, pen };
   }
 
-  drawGaits(pen, gaits, { top, lane, name, ...space }) {
-    this.drawName(pen, name, top, lane, FAINT);
+  /** rows: [gait, colour] of each. */
+  drawGaits(pen, space, top, lane, rows) {
     this.drawLane(pen, space, top, lane);
-    for (const [begin, end] of runs(gaits)) {
-      const gait = gaits[begin];
+    for (const [begin, end] of runs(rows.map(String))) {
+      const [gait, colour] = rows[begin];
       if (gait === this.rules.no_gait) continue;
-      pen.fillStyle = gaitColour(gait, this.rules);
-      const [x, width] = this.drawBar(pen, space, top, lane, begin - gaits.length, end - gaits.length);
+      pen.fillStyle = colour;
+      const [x, width] = this.drawBar(pen, space, top, lane, begin - rows.length, end - rows.length);
       if (width < 56) continue;
-      pen.fillStyle = INK;
+      pen.fillStyle = '#fff';
       pen.font = '600 12px system-ui, "DejaVu Sans", sans-serif';
       pen.fillText(spoken(gait), x + 6, top + lane / 2);
     }
   }
 
-  drawName(pen, name, top, lane, colour) {
-    pen.fillStyle = colour;
+  drawName(pen, name, top, lane, x) {
+    pen.fillStyle = INK;
     pen.font = '600 12px system-ui, "DejaVu Sans", sans-serif';
-    pen.fillText(name, 0, top + lane / 2);
+    pen.fillText(name, x, top + lane / 2);
   }
 
   drawLane(pen, space, top, lane) {
@@ -83,6 +98,18 @@ export class Diagram {
     const wide = ((end - begin) / rows) * width;
     pen.fillRect(x, top + 2, wide, lane - 4);
     return [x, wide];
+  }
+
+  drawPush(pen, { left, width, rows }, row, bottom) {
+    const x = left + (1 + row / rows) * width;
+    pen.fillStyle = '#fff';
+    pen.fillRect(x - 24, bottom + 2, 48, 16); // over the axis' own labels
+    pen.fillStyle = PUSH_COLOUR;
+    pen.fillRect(x, 0, 3, bottom);
+    pen.font = '600 11px system-ui, "DejaVu Sans", sans-serif';
+    pen.textAlign = 'center';
+    pen.fillText('push', x, bottom + 11);
+    pen.textAlign = 'left';
   }
 
   drawAxis(pen, { left, width }, seconds, height) {

@@ -10,7 +10,7 @@ export function newFloor(anisotropy) {
   texture.wrapS = texture.wrapT = THREE.RepeatWrapping;
   texture.repeat.set(EXTENT, EXTENT);
   texture.anisotropy = anisotropy;
-  const material = new THREE.MeshStandardMaterial({ map: texture, roughness: 0.95, envMapIntensity: 0.9 });
+  const material = new THREE.MeshLambertMaterial({ map: texture }); // cheap: it covers most of the picture
   const floor = new THREE.Mesh(new THREE.PlaneGeometry(EXTENT, EXTENT), material);
   floor.receiveShadow = true;
   return floor;

@@ -48,7 +48,7 @@ function connectButtons(walker, scene, clock) {
     push() {
       const angle = walker.robot.heading() + (side * Math.PI) / 2; // from the left and the right in turn
       const [x, y] = [Math.cos(angle), Math.sin(angle)];
-      walker.robot.push(walker.rules.push_m_s * x, walker.rules.push_m_s * y);
+      walker.push(walker.rules.push_m_s * x, walker.rules.push_m_s * y);
       scene.showPush(x, y, performance.now());
       side = -side;
     },
@@ -85,12 +85,15 @@ function runForever(walker, scene, clock) {
   const readout = new Readout(page, walker.rules);
   let shown = -Infinity;
   async function frame(now) {
-    await clock.advance(now, () => walker.tick());
+    await clock.advance(now, async () => {
+      await walker.tick();
+      scene.track();
+    });
     scene.draw(now);
-    diagram.draw(walker.log);
+    const pushed = diagram.draw(walker.log);
     if (now - shown > SHOWN_EVERY_MS) {
       shown = now;
-      readout.show(walker.measured, walker.skill);
+      readout.show(walker.measured, walker.skill, pushed);
       notify(walker.fallen ? 'The robot fell. Reset (R) stands it up.' : '');
     }
     requestAnimationFrame((next) => frame(next).catch(explain));

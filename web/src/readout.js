@@ -8,8 +8,8 @@ export class Readout {
     this.rules = rules;
   }
 
-  /** measured: Walker.measured; skill: the name of the one asked for. */
-  show(measured, skill) {
+  /** measured: Walker.measured; skill: the name of the one asked for; pushed: whether lately. */
+  show(measured, skill, pushed) {
     const { page } = this;
     const known = measured.gait !== this.rules.no_gait;
     const right = measured.skill === skill;
@@ -20,7 +20,8 @@ export class Readout {
     page.gait.dataset.skill = measured.skill ?? '';
     page.frequency.textContent = frequency;
     page.speed.textContent = speed;
-    page.diagram.ariaLabel = `Contact diagram. Measured: ${measured.gait}, ${frequency} strides per second`;
+    const push = pushed ? ', pushed' : '';
+    page.diagram.ariaLabel = `Contact diagram. Measured: ${measured.gait}, ${frequency} strides per second${push}`;
   }
 }
 

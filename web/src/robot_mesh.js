@@ -63,5 +63,5 @@ function materialOf(robot, geom) {
       ? robot.model.geom_rgba.subarray(4 * geom, 4 * geom + 3)
       : robot.model.mat_rgba.subarray(4 * material, 4 * material + 3);
   const colour = foot < 0 ? new THREE.Color().setRGB(r, g, b, THREE.SRGBColorSpace) : new THREE.Color(LEG_COLOURS[foot]);
-  return new THREE.MeshStandardMaterial({ color: colour, roughness: 0.45, metalness: 0.1 });
+  return new THREE.MeshPhongMaterial({ color: colour, specular: '#333a42', shininess: 40 });
 }

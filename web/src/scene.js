@@ -1,13 +1,13 @@
 import * as THREE from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
-import { RoomEnvironment } from 'three/addons/environments/RoomEnvironment.js';
+import { PUSH_COLOUR } from './colours.js';
 import { newFloor } from './floor.js';
 import { Footprints } from './footprints.js';
 import { RobotMesh } from './robot_mesh.js';
 
 const SKY = '#dfe6ee';
 const SUN = new THREE.Vector3(-1.2, -1.6, 3.2); // from the robot to the light, m
-const EYE = new THREE.Vector3(0.75, -1.35, 0.5); // from the robot to the camera at the start, m
+const EYE = new THREE.Vector3(0.76, -1.3, 0.5); // from the robot to the camera at the start, m
 const LOOK_HEIGHT = 0.2; // m
 const ARROW_S = 0.6; // that a push is shown
 
@@ -19,14 +19,13 @@ export class Scene {
     this.robot = robot;
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
     this.renderer.shadowMap.enabled = true;
-    this.renderer.toneMapping = THREE.NeutralToneMapping;
     this.scene = new THREE.Scene();
     this.scene.background = new THREE.Color(SKY);
     this.scene.fog = new THREE.Fog(SKY, 3.5, 11);
     this.mesh = new RobotMesh(robot);
     this.prints = new Footprints(robot);
     this.floor = newFloor(this.renderer.capabilities.getMaxAnisotropy());
-    this.arrow = new THREE.ArrowHelper(new THREE.Vector3(0, 1, 0), new THREE.Vector3(), 0.5, '#b2410c', 0.14, 0.1);
+    this.arrow = new THREE.ArrowHelper(new THREE.Vector3(0, 1, 0), new THREE.Vector3(), 0.5, PUSH_COLOUR, 0.14, 0.1);
     this.arrow.visible = false;
     this.scene.add(this.floor, this.mesh.group, this.prints.group, this.arrow);
     this.addLight();
@@ -36,13 +35,10 @@ export class Scene {
   }
 
   addLight() {
-    const room = new THREE.PMREMGenerator(this.renderer).fromScene(new RoomEnvironment(), 0.04);
-    this.scene.environment = room.texture;
-    this.scene.environmentRotation.set(Math.PI / 2, 0, 0); // the room's ceiling is along y
-    this.scene.environmentIntensity = 0.55;
-    this.sun = new THREE.DirectionalLight('#fff6e8', 2.4);
+    this.scene.add(new THREE.HemisphereLight('#f4f8ff', '#9aa1a9', 1.5));
+    this.sun = new THREE.DirectionalLight('#fff6e8', 1.9);
     this.sun.castShadow = true;
-    this.sun.shadow.mapSize.set(2048, 2048);
+    this.sun.shadow.mapSize.set(1024, 1024);
     this.sun.shadow.radius = 3;
     this.sun.shadow.normalBias = 0.01;
     Object.assign(this.sun.shadow.camera, { left: -0.9, right: 0.9, top: 0.9, bottom: -0.9, near: 1, far: 6 });
@@ -86,10 +82,14 @@ export class Scene {
     this.follow();
   }
 
+  /** Note the footprints; to be called at each physics timestep, lest one is missed between two pictures. */
+  track() {
+    this.prints.update();
+  }
+
   /** Draw what the simulation holds. now: ms. */
   draw(now) {
     this.mesh.update();
-    this.prints.update();
     this.follow();
     this.placeArrow(now);
     this.orbit.update();

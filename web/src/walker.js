@@ -28,7 +28,14 @@ export class Walker {
     this.lastAction = new Float32Array(this.metadata.default_pose.length);
     this.substep = 0;
     this.fallen = false;
+    this.pushed = false;
     this.measured = this.nothing();
+  }
+
+  /** Change the trunk's velocity at once, m/s in the world frame. */
+  push(vx, vy) {
+    this.robot.push(vx, vy);
+    this.pushed = true;
   }
 
   /** Advance by one physics timestep; the policy is asked at the first of each control period. */
@@ -57,8 +64,9 @@ export class Walker {
     const { robot, log } = this;
     this.fallen ||= robot.fallen();
     if (log.count % Math.round(MEASURED_EVERY_S / this.periodS) === 0) this.measured = this.measure();
-    const { skill } = this;
-    log.add({ contact: robot.contacts(), velocity: robot.velocity(), skill, gait: this.measured.gait });
+    const { skill, pushed, measured } = this;
+    log.add({ contact: robot.contacts(), velocity: robot.velocity(), skill, pushed, gait: measured.gait });
+    this.pushed = false;
   }
 
   /** What the feet and the trunk did in the latest window. */
