@@ -24,9 +24,10 @@ export class Diagram {
     const { width, height, pen } = this.prepare();
     const wide = width > 520;
     const seconds = wide ? 4 : 2.5;
-    const left = wide ? 128 : 68;
+    const left = wide ? 128 : 76;
     const space = { left, width: width - left, rows: Math.round(seconds / this.periodS) };
     const lane = (height - 18) / 6;
+    this.font = `600 ${Math.min(12, Math.round(lane - 4))}px system-ui, "DejaVu Sans", sans-serif`;
     const rows = log.latest(space.rows);
     const contact = debounced(rows.map((row) => row.contact), this.periodS, this.rules.bounce_s); // as is measured
     const asked = rows.map((row) => splitName(row.skill).gait);
@@ -39,7 +40,7 @@ export class Diagram {
     this.rules.feet.forEach((leg, i) => {
       const top = (i + 2) * lane;
       pen.fillStyle = LEG_COLOURS[i];
-      pen.fillRect(0, top + lane / 2 - 6, 12, 12);
+      pen.fillRect(0, top + 2, 12, lane - 4);
       this.drawName(pen, wide ? `${leg}  ${legName(leg)}` : leg, top, lane, 18);
       this.drawLane(pen, space, top, lane);
       pen.fillStyle = LEG_COLOURS[i];
@@ -76,15 +77,15 @@ export class Diagram {
       const [x, width] = this.drawBar(pen, space, top, lane, begin - rows.length, end - rows.length);
       if (width < 56) continue;
       pen.fillStyle = '#fff';
-      pen.font = '600 12px system-ui, "DejaVu Sans", sans-serif';
-      pen.fillText(spoken(gait), x + 6, top + lane / 2);
+      pen.font = this.font;
+      pen.fillText(spoken(gait), x + 6, top + lane / 2 + 1);
     }
   }
 
   drawName(pen, name, top, lane, x) {
     pen.fillStyle = INK;
-    pen.font = '600 12px system-ui, "DejaVu Sans", sans-serif';
-    pen.fillText(name, x, top + lane / 2);
+    pen.font = this.font;
+    pen.fillText(name, x, top + lane / 2 + 1);
   }
 
   drawLane(pen, space, top, lane) {

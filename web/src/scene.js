@@ -35,7 +35,7 @@ export class Scene {
   }
 
   addLight() {
-    this.scene.add(new THREE.HemisphereLight('#f4f8ff', '#9aa1a9', 1.5));
+    this.scene.add(new THREE.HemisphereLight('#f4f8ff', '#aeb5bd', 1.9));
     this.sun = new THREE.DirectionalLight('#fff6e8', 1.9);
     this.sun.castShadow = true;
     this.sun.shadow.mapSize.set(1024, 1024);
