@@ -146,13 +146,15 @@ async function shoot(browser, url, name, skills) {
   await visit.measured(skills[0]);
   await visit.press(`[data-skill="${other}"]`);
   await visit.measured(other);
-  await visit.press('#slow'); // so that switch and push are still in the diagram when the picture is taken
-  await visit.page.setViewportSize(viewport);
-  await (device.hasTouch ? visit.page.tap('#push', { force: true }) : visit.page.click('#push', { force: true }));
+  await visit.press('#push');
   await visit.until(() => document.querySelector('#diagram').ariaLabel.includes('pushed'));
+  await visit.press('#pause'); // so that switch and push are still in the diagram when the picture is taken
+  await visit.page.setViewportSize(viewport);
   assert.ok(await visit.page.evaluate(() => document.body.scrollWidth <= innerWidth), 'nothing is cut off');
   await visit.page.screenshot({ path: `${SHOTS}/${name}.png`, timeout: PATIENCE_MS });
   console.log(`  outputs/web/${name}.png`);
+  await (device.hasTouch ? visit.page.tap('#pause', { force: true }) : visit.page.click('#pause', { force: true }));
+  assert.equal(await visit.page.getAttribute('#pause', 'aria-pressed'), 'false');
   await visit.page.close();
 }
 

@@ -62,6 +62,8 @@ function materialOf(robot, geom) {
     material < 0
       ? robot.model.geom_rgba.subarray(4 * geom, 4 * geom + 3)
       : robot.model.mat_rgba.subarray(4 * material, 4 * material + 3);
-  const colour = foot < 0 ? new THREE.Color().setRGB(r, g, b, THREE.SRGBColorSpace) : new THREE.Color(LEG_COLOURS[foot]);
+  const colour = new THREE.Color();
+  if (foot < 0) colour.setRGB(r, g, b, THREE.SRGBColorSpace);
+  else colour.set(LEG_COLOURS[foot]);
   return new THREE.MeshPhongMaterial({ color: colour, specular: '#333a42', shininess: 40 });
 }

@@ -78,7 +78,9 @@ test('the measure is that of camp.metrics', { skip: !golden && 'needs tests/test
     assert.deepEqual(found.stepping, measured.stepping);
     compare(found.frequencyHz, measured.frequency_hz);
     compare(found.flight, measured.flight_fraction);
-    for (const key of ['phase', 'duty', 'rhythm']) found[key].forEach((value, leg) => compare(value, measured[key][leg]));
+    for (const key of ['phase', 'duty', 'rhythm']) {
+      found[key].forEach((value, leg) => compare(value, measured[key][leg]));
+    }
   }
   t.diagnostic(`${golden.gaits.length} sequences, largest difference ${largest.toExponential(1)}`);
 });

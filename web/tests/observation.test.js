@@ -37,16 +37,20 @@ test('entries are in the order of the metadata, and a skill that is not observed
       { name: 'command', size: 3 },
     ],
   };
-  const readings = { jointPosition: [1.5, 2.25], jointVelocity: [0, 0], gravity: [0, 0, -1], angularVelocity: [0, 0, 0] };
-  assert.deepEqual([...observe(described, readings, [1, 2, 3], [0, 0], 'pace')], [0, 0, 0.5, 0.25, 1, 2, 3]);
-  assert.throws(() => observe(described, readings, [1, 2, 3], [0, 0], 'hop'), /unknown to this policy; choose one of trot/);
+  const still = { jointVelocity: [0, 0], gravity: [0, 0, -1], angularVelocity: [0, 0, 0] };
+  const readings = { jointPosition: [1.5, 2.25], ...still };
+  const observed = (skill) => [...observe(described, readings, [1, 2, 3], [0, 0], skill)];
+  assert.deepEqual(observed('pace'), [0, 0, 0.5, 0.25, 1, 2, 3]);
+  assert.throws(() => observed('hop'), /unknown to this policy; choose one of trot/);
   described.observation.push({ name: 'camera', size: 9 });
-  assert.throws(() => observe(described, readings, [1, 2, 3], [0, 0], 'pace'), /observation "camera" of size 9/);
+  assert.throws(() => observed('pace'), /observation "camera" of size 9/);
 });
 
 test('joints and gains are taken by name', async () => {
   const names = [...metadata.joint_names].reverse();
-  const robot = await newRobot({ ...metadata, joint_names: names, default_pose: [...metadata.default_pose].reverse(), kp: names.map((_, i) => i + 1) });
+  const pose = [...metadata.default_pose].reverse();
+  const described = { ...metadata, joint_names: names, default_pose: pose, kp: names.map((_, i) => i + 1) };
+  const robot = await newRobot(described);
   const hip = robot.actuators[names.indexOf('FL_hip_joint')];
   assert.equal(robot.model.actuator_gainprm[10 * hip], 12);
   assert.equal(robot.model.actuator_biasprm[10 * hip + 1], -12);
