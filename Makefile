@@ -10,6 +10,8 @@ POLICY ?= src/camp/assets/policies/go2_camp
 ARGS   ?=
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
+PORT   ?= 8000
+NPM    := web/node_modules/.package-lock.json
 
 # MuJoCo renders off-screen through EGL, or through OSMesa (slower) where no EGL library is installed; to
 # choose yourself: `make MUJOCO_GL=osmesa train`. macOS has its own renderer and needs neither.
@@ -18,11 +20,12 @@ export MUJOCO_GL ?= $(if $(shell ldconfig -p 2>/dev/null | grep -F libEGL.so),eg
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint check train evaluate leaderboard transfer figures ablations dataset bench clean
+.PHONY: help setup demo web web-serve web-check test lint check train evaluate leaderboard transfer figures ablations \
+	dataset bench clean
 .NOTPARALLEL:
 
 help: ## list the targets
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(firstword $(MAKEFILE_LIST))
 	@echo "ARGS='...' is passed on, e.g. make train ARGS='seed=1'. Run folders lie under outputs/."
 
 setup: $(STAMP) ## create .venv and install the pinned dependencies (once)
@@ -44,8 +47,28 @@ demo: setup ## the shipped policy: short evaluation, a video of switches, figure
 	"$(BIN)/python" -m camp.evaluate run="$(POLICY)" suite=short $(ARGS)
 	"$(BIN)/python" -m analysis run="$(POLICY)" only=training,confusion,contacts,film_strip
 
+web: setup $(NPM) ## build the web page of POLICY into web/dist
+	"$(BIN)/python" -m web.inputs run="$(POLICY)" output=web/public
+	npm --prefix web run --silent build
+	@echo "web/dist is ready for any web server; look at it: make web-serve"
+
+# npm writes the stamp itself, once all packages are there.
+$(NPM): web/package.json web/package-lock.json
+	@command -v npm >/dev/null || { echo "error: npm: no such command; install Node.js 20 or newer" >&2; exit 2; }
+	npm --prefix web ci --ignore-scripts --no-audit --no-fund
+	@touch "$@"
+
+web-serve: ## serve web/dist at http://localhost:8000 (PORT=8000)
+	@test -f web/dist/index.html || { echo "error: web/dist: not there; run make web" >&2; exit 2; }
+	"$(PYTHON)" -m http.server --directory web/dist "$(PORT)"
+
+web-check: web ## try the web page in headless Chromium, screenshots in outputs/web (minutes)
+	npm --prefix web run --silent check
+
 test: setup ## run all tests, a file at a time on each of up to four processors
-	"$(BIN)/python" -m pytest -n auto --maxprocesses 4 --dist loadfile $(ARGS)
+	@if command -v npm >/dev/null; then $(MAKE) --no-print-directory $(NPM) || \
+		echo "warning: npm's packages are not there: the tests of the web page are skipped" >&2; fi
+	PYTHONDONTWRITEBYTECODE= "$(BIN)/python" -m pytest -n auto --maxprocesses 4 --dist loadfile $(ARGS)
 
 lint: setup ## check format, lint and types without changing a file (what CI runs before the tests)
 	"$(BIN)/ruff" format --check .
@@ -92,5 +115,5 @@ bench: setup ## measure simulation, environment and training speed (sim=gpu, sim
 	"$(BIN)/python" -m camp.bench $(if $(sim),sim=$(sim)) $(ARGS)
 
 clean: ## remove the virtual environment, builds and caches (never outputs/)
-	rm -rf "$(VENV)" build dist .pytest_cache .ruff_cache
+	rm -rf "$(VENV)" build dist web/dist web/public web/node_modules .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -not -path './outputs/*' -prune -exec rm -rf {} +

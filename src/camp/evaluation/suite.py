@@ -41,6 +41,8 @@ def values_digest(evaluation: EvaluationConfig) -> str:
     """Digest of the suite's values, whatever else is configured."""
     values = {field.name: getattr(evaluation, field.name) for field in fields(SuiteConfig)}
     plain = {name: asdict(value) if hasattr(value, "__dataclass_fields__") else value for name, value in values.items()}
+    if not any(plain["randomization"]["delay_s"]):  # suites were named before there was such a value
+        del plain["randomization"]["delay_s"]
     return _digest(json.dumps(plain, sort_keys=True).encode())
 
 
