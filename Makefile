@@ -20,8 +20,7 @@ export MUJOCO_GL ?= $(if $(shell ldconfig -p 2>/dev/null | grep -F libEGL.so),eg
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo web web-serve web-check test lint check train evaluate leaderboard transfer figures ablations \
-	dataset bench clean
+.PHONY: help setup demo web web-serve web-check test lint check train evaluate leaderboard transfer figures ablations dataset bench clean
 .NOTPARALLEL:
 
 help: ## list the targets
