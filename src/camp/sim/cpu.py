@@ -92,7 +92,7 @@ class CpuSimulator:
         """Contact and constraint buffers grow as needed: nothing is ever left out."""
 
     def state_dict(self) -> dict[str, Any]:
-        state = {name: torch.from_numpy(rows.copy()) for name, rows in self._rows.items()}
+        state: dict[str, Any] = {name: torch.from_numpy(rows.copy()) for name, rows in self._rows.items()}
         state["forces"] = torch.from_numpy(self._forces.copy())
         state["delays"] = self._delays.state_dict()
         return state

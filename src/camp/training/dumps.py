@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from camp.common import distributed
+from camp.common.archive import read_arrays
 from camp.common.commands import command
 from camp.common.errors import CheckpointError
 from camp.common.files import whole_file
@@ -21,7 +22,6 @@ from camp.common.foreign import foreign_file
 from camp.config.schema import Config
 from camp.envs.divergence import ROBOT
 from camp.gaits.skills import names
-from camp.motion.clips.archive import read_arrays
 from camp.runs.folder import DIVERGED
 
 MOST_DUMPS = 10  # of one process in a run folder, at most one an iteration: the first are what tells most
