@@ -75,8 +75,8 @@ class Policy:
         return target
 
 
-class Body(Protocol):
-    """What the loop reads from a robot and tells it; joints in the order of the metadata's ``joint_names``."""
+class Readings(Protocol):
+    """What is observed of a robot; joints in the order of the metadata's ``joint_names``."""
 
     @property
     def joint_position(self) -> Array:
@@ -98,12 +98,16 @@ class Body(Protocol):
         """(3,) unit vector of gravity, base frame."""
         ...
 
+
+class Body(Readings, Protocol):
+    """A robot that the loop reads and tells what to do."""
+
     def hold(self, target: Array) -> None:
         """Hold joint targets (12,) in rad for one control period."""
         ...
 
 
-def observe(policy: Policy, body: Body, command: Array, skill: Array, last_action: Array) -> Array:
+def observe(policy: Policy, body: Readings, command: Array, skill: Array, last_action: Array) -> Array:
     """The policy's observation, (45 + K,): raw readings in SI units, in the order that the metadata names."""
     entries = {
         "base_angular_velocity": body.angular_velocity,
