@@ -24,7 +24,11 @@ LAYERS = (
     ("build", "cli"),
     ("training", "evaluation", "single_env"),
     ("deployment",),
-    ("train", "evaluate", "export", "deploy", "dataset", "ship", "bench", "judge", "leaderboard", "replay", "transfer"),
+    ("lowlevel",),
+    (
+        *("train", "evaluate", "export", "deploy", "dataset", "ship", "bench", "judge", "leaderboard", "replay"),
+        *("transfer", "go2", "go2_sim"),
+    ),
 )
 # Modules beside the packages that nobody needs to import: the commands, and Gymnasium's entry point.
 ENTRY_POINTS = {*LAYERS[-1], "single_env"}
@@ -91,9 +95,10 @@ def test_a_module_beside_the_packages_serves_several_of_them():
     assert not {name: those for name, those in importers.items() if len(those) < 2}
 
 
-def test_the_bare_loop_needs_no_torch():
-    """`camp.deploy` runs on a robot's computer: nothing that it imports, directly or not, may import torch."""
-    found, reached, waiting = imports(), set(), ["camp.deploy"]
+@pytest.mark.parametrize("command", ["camp.deploy", "camp.go2", "camp.go2_sim"])
+def test_what_runs_on_a_robots_computer_needs_no_torch(command):
+    """Nothing that it imports, directly or not, may import torch."""
+    found, reached, waiting = imports(), set(), [command]
     while waiting:
         module = waiting.pop()
         if module not in reached:

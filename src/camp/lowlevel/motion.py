@@ -14,7 +14,9 @@ FOLDED = np.array((0.0, 1.36, -2.65) * NUM_LEGS, np.float32)  # rad, lying on fo
 STIFF_KP, STIFF_KD = 60.0, 5.0  # N m/rad, N m s/rad: Unitree's stand example
 DAMPING_KD = 3.0  # N m s/rad: a raised leg sinks slowly
 FOLD_S, RISE_S, SOFTEN_S = 1.0, 2.0, 0.5  # parts of standing up
-LIE_S = 1.5
+LIE_S = 1.5  # down from standing
+DROP_S = 0.3  # down from a walk: slower, it tips over its own legs (docs/go2.md)
+REST_S = 0.7  # on folded legs, until it has come to rest
 
 
 @dataclass(frozen=True)
@@ -67,9 +69,13 @@ def stand_up(reading: Reading, pose: Array, kp: Array, kd: Array) -> Way:
     )
 
 
-def lie_down(last: Command) -> Way:
-    """From the last command onto folded legs. It needs no reading: it is also the way out when none come."""
-    return Way(last, [Waypoint(LIE_S, FOLDED, _all(STIFF_KP), _all(STIFF_KD))])
+def lie_down(last: Command, seconds: float) -> Way:
+    """From the last command onto folded legs, where it stays until it lies at rest.
+
+    It needs no reading: it is also the way out when none come.
+    """
+    stiff = _all(STIFF_KP), _all(STIFF_KD)
+    return Way(last, [Waypoint(seconds, FOLDED, *stiff), Waypoint(REST_S, FOLDED, *stiff)])
 
 
 def _between(one: Array, other: Array, share: float) -> Array:

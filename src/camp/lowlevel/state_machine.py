@@ -12,12 +12,12 @@ from enum import StrEnum
 import numpy as np
 
 from camp.lowlevel.messages import Array, Command, Reading
-from camp.lowlevel.motion import Way, damping, lie_down, stand_up
+from camp.lowlevel.motion import DROP_S, LIE_S, Way, damping, lie_down, stand_up
 
 LARGEST_TILT = 0.8  # rad: where episodes of training end
 STATE_LOST_S = 0.1  # without a new reading
 HOLD_S = 0.1  # that the last target is held without a new one; docs/go2.md has the measurement
-TARGET_MARGIN = 0.2  # rad beyond a joint's range; docs/go2.md has the policy's largest
+TARGET_MARGIN = 0.4  # rad beyond a joint's range; docs/go2.md has the policy's largest
 FOLLOWED = 0.5  # rad, between a joint that stands and its target
 
 
@@ -134,7 +134,7 @@ class StateMachine:
         elif wish is Wish.WALK and self.state is State.STANDING:
             self._go(State.WALKING)
         elif wish is Wish.LIE and self.state not in (State.PASSIVE, State.LYING_DOWN, State.DAMPING):
-            self._go(State.LYING_DOWN, lie_down(self._last))
+            self._lie_down()
 
     def _arrive(self, fresh: Reading | None) -> None:
         if self.state is State.LYING_DOWN:
@@ -168,7 +168,10 @@ class StateMachine:
         elif self.fault is None:
             self.fault = fault
             if self.state is not State.LYING_DOWN:
-                self._go(State.LYING_DOWN, lie_down(self._last))
+                self._lie_down()
+
+    def _lie_down(self) -> None:
+        self._go(State.LYING_DOWN, lie_down(self._last, DROP_S if self.asks_policy else LIE_S))
 
     def _go(self, state: State, way: Way | None = None) -> None:
         if state is not State.STANDING:  # which stays at the end of the way up

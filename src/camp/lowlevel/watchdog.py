@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from camp.lowlevel.messages import Command
-from camp.lowlevel.motion import Way, damping, lie_down
+from camp.lowlevel.motion import DROP_S, Way, damping, lie_down
 
 
 class Watchdog:
@@ -29,7 +29,7 @@ class Watchdog:
             self._last, self._heard_s = arrived, now_s
         silent_s = now_s - self._heard_s
         if self._way is None and self._last is not None and silent_s > self._hold_s:
-            self._way = lie_down(self._last)
+            self._way = lie_down(self._last, DROP_S)
         if self._way is None:
             return self._last
         lying_s = silent_s - self._hold_s
