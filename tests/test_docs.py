@@ -12,7 +12,7 @@ from hydra import compose, initialize_config_dir
 from omegaconf import DictConfig
 from torch.distributed.run import get_args_parser
 
-from camp import dataset, deploy
+from camp import dataset, deploy, go2, go2_sim
 from camp.build import share_of_rank
 from camp.common import distributed
 from camp.common.paths import config_root
@@ -152,6 +152,12 @@ def test_commands_of_the_bare_loop_are_understood(command, tmp_path, monkeypatch
     monkeypatch.chdir(tmp_path)
     assert deploy.main(shlex.split(command)[3:]) == 2
     assert "policy.onnx: not found" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", shown(r"python -m camp\.go2"))
+def test_commands_of_the_robots_interface_are_understood(command):
+    module, *arguments = shlex.split(command)[2:]
+    assert {"camp.go2": go2, "camp.go2_sim": go2_sim}[module]._parser().parse_args(arguments)
 
 
 @pytest.mark.parametrize("command", shown(r"python -m (camp\.(export|ship|replay|transfer)|analysis)"))

@@ -66,6 +66,7 @@ def run(options: argparse.Namespace) -> int:
         pace = (Lockstep if options.lockstep else RealTime)(walker.period_s)
         controller = Controller(link, walker, pace, Desk(asks, wanted, log))
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            stack.callback(signal.signal, number, signal.getsignal(number))
             signal.signal(number, lambda *_: controller.interrupt())
         fault = controller.run()
     print(log.summary())

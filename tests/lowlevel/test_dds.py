@@ -1,12 +1,15 @@
-"""A walk with switches over DDS: the controller here, the simulated robot in a process of its own, in lockstep."""
+"""A walk with a switch over DDS: controller and simulated robot in processes of their own, in lockstep."""
 
 from __future__ import annotations
 
+import csv
 import fcntl
 import os
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +18,6 @@ import pytest
 pytest.importorskip("cyclonedds", reason="comes with the go2 extra")
 pytest.importorskip("unitree_sdk2py", reason="comes with the go2 extra")
 
-from camp import go2
 from camp.metrics.contact import debounced
 from camp.metrics.gait import measure_gait
 
@@ -37,17 +39,18 @@ def domain():
     pytest.skip("every DDS domain for tests is taken")
 
 
-def test_two_processes_walk_and_switch(shipped_path, domain, tmp_path, capfd):
+def test_two_processes_walk_and_switch(shipped_path, domain, tmp_path):
     record, log = tmp_path / "record.npz", tmp_path / "log.csv"
     network = ["--interface", "lo", "--domain", str(domain), "--lockstep"]
-    robot = subprocess.Popen([sys.executable, "-m", "camp.go2_sim", *network, "--record", str(record)])
-    try:
-        code = go2.main([str(shipped_path), *network, "--skill", "trot_3hz", "--script", SCRIPT, "--log", str(log)])
-        assert (code, robot.wait()) == (0, 0)
-    finally:
-        robot.kill()
-    said = capfd.readouterr().out
-    assert "passive" in said and "at rest" in said and "lost 0, damaged 0" in said
+    controls = ["--skill", "trot_3hz", "--script", SCRIPT, "--log", str(log)]
+    with started("camp.go2_sim", *network, "--record", str(record)) as robot:
+        assert robot.stdout is not None and "simulated go2 on lo" in robot.stdout.readline()
+        with started("camp.go2", str(shipped_path), *network, *controls) as controller:
+            told, _ = controller.communicate()
+            assert controller.returncode == 0, told
+            last, _ = robot.communicate()
+    assert robot.returncode == 0 and "at rest" in last and "lost 0, damaged 0" in last
+    assert "readings used: 50.0 per s" in told
     with np.load(record, allow_pickle=False) as found:
         time_s, contact, tilt = found["time_s"], found["contact"], found["tilt_rad"]
     assert tilt.max() < 0.5
@@ -56,4 +59,22 @@ def test_two_processes_walk_and_switch(shipped_path, domain, tmp_path, capfd):
         walked = contact[(time_s >= begin) & (time_s < end)]
         shown.append(measure_gait(debounced(walked[None], 0.02), 0.02).label[0])
     assert shown == ["trot", "pace"]
-    assert len(log.read_text().splitlines()) > 400
+    with log.open() as file:
+        rows = list(csv.DictReader(file))
+    states = [row["state"] for row in rows]
+    assert sorted(set(states), key=states.index) == ["standing up", "standing", "walking", "lying down", "passive"]
+    assert {row["fault"] for row in rows} == {""} and {row["fresh"] for row in rows} == {"1"}
+
+
+@contextmanager
+def started(module: str, *arguments: str) -> Iterator[subprocess.Popen[str]]:
+    """A process of its own that does not outlive the test."""
+    command = [sys.executable, "-m", module, *arguments]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+        assert process.stdout is not None
+        process.stdout.close()

@@ -21,7 +21,8 @@ def test_rows_are_written_and_summed_up(tmp_path):
         rows = list(csv.DictReader(file))
     assert len(rows) == 11 and rows[3]["robot_ms"] == "60" and rows[3]["state"] == "walking"
     readings, commands, steps = log.summary().splitlines()
-    assert readings.startswith("readings used: 50.0 per s; robot's clock between them 20.00")
+    assert readings.startswith("readings used: 50.0 per s; by the robot's clock between them 20.00")
+    assert readings.endswith("older than the youngest by 0.00 (99 %: 0.00, most: 0.00) ms")
     assert commands.startswith("commands sent: 50.0 per s; between them 20.00")
     assert "late 0.50 (99 %: 0.99, most: 1.00) ms; work 2.00" in steps
     assert log.states == ["walking"]

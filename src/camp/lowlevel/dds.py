@@ -1,6 +1,6 @@
 """Both ends over DDS, on Unitree's topics rt/lowcmd and rt/lowstate.
 
-A (de)serialization costs Python about a millisecond. Hence a reader keeps the newest message alone and is asked once
+A (de)serialization costs Python up to a millisecond. Hence a reader keeps the newest message alone and is asked once
 for each control step, instead of being called for each of the robot's 500 messages per second.
 """
 

@@ -69,13 +69,15 @@ class MessageLog:
         came = [row for row in self._rows if row.fresh]
         robot = np.diff([row.robot_ms for row in came]) if len(came) > 1 else np.zeros(1)
         starts = np.diff([row.now_s for row in self._rows]) * 1e3
+        # The two clocks are not set alike: ages are known but for the youngest reading's.
+        ages = np.array([row.now_s * 1e3 - row.robot_ms for row in self._rows if row.robot_ms >= 0] or [0.0])
+        late, work = [row.late_ms for row in self._rows], [row.work_ms for row in self._rows]
         return "\n".join(
             [
-                f"readings used: {(len(came) - 1) / seconds:.1f} per s; robot's clock between them {_spread(robot)} ms; "
-                f"age at a step {_spread([row.age_ms for row in self._rows if row.robot_ms >= 0])} ms",
+                f"readings used: {(len(came) - 1) / seconds:.1f} per s; by the robot's clock between them "
+                f"{_spread(robot)} ms; older than the youngest by {_spread(ages - ages.min())} ms",
                 f"commands sent: {(len(self._rows) - 1) / seconds:.1f} per s; between them {_spread(starts)} ms",
-                f"control steps: late {_spread([row.late_ms for row in self._rows])} ms; "
-                f"work {_spread([row.work_ms for row in self._rows])} ms",
+                f"control steps: late {_spread(late)} ms; work {_spread(work)} ms",
             ]
         )
 

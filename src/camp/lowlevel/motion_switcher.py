@@ -24,7 +24,7 @@ from camp.lowlevel.dds import Network, taken
 REQUESTS, RESPONSES = "rt/api/motion_switcher/request", "rt/api/motion_switcher/response"
 CHECK_MODE, RELEASE_MODE = 1001, 1003
 ANSWER_S = 1.0  # that an answer may take
-ATTEMPTS = 5  # the first request may leave before the two sides have found each other
+ATTEMPTS = 10  # the first request may leave before the two sides have found each other
 POLL_S = 0.01
 
 _NOTHING: Any = []  # of binary data, whose annotation is no type of Python

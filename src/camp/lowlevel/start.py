@@ -8,7 +8,7 @@ from camp.common.errors import CampError
 from camp.lowlevel.messages import Reading
 from camp.lowlevel.transport import RobotLink, SportMode
 
-STATE_S = 5.0  # that the first state may take
+STATE_S = 10.0  # that the first state may take
 LISTEN_S = 1.0  # for somebody else's commands; the sport mode sends 500 per second
 RELEASES = 5
 SETTLE_S = 1.0  # after a release, as Unitree's example waits
