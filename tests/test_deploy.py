@@ -140,6 +140,7 @@ def test_the_loop_needs_little_of_camp():
     tree = ast.parse(Path(deploy.__file__).read_text())
     modules = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module}
     assert {name for name in modules if name.startswith("camp")} == {
+        "camp.common.arguments",
         "camp.common.errors",
         "camp.common.mujoco_log",
         "camp.metrics.contact",

@@ -8,19 +8,19 @@ to carry over. Besides, this takes of camp the robot's model file, and for the l
 
 from __future__ import annotations
 
-import argparse
 import math
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from camp.common.arguments import Parser
 from camp.common.errors import CampError
 from camp.common.mujoco_log import no_log_file
 from camp.deployment.loop import Policy, control
@@ -149,15 +149,9 @@ def walk(policy: Policy, skill: str, command: Sequence[float], seconds: float) -
     return Walk(*map(np.array, zip(*rows, strict=True)), fell=robot.fallen)
 
 
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        """One line for `main` to print, instead of four."""
-        raise CampError(f"{message}; see --help")
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code: 0, or 2 for input that cannot be used."""
-    parser = _Parser(prog="python -m camp.deploy", description="Run an exported policy in MuJoCo.")
+    parser = Parser(prog="python -m camp.deploy", description="Run an exported policy in MuJoCo.")
     parser.add_argument("policy", type=Path, help="policy.onnx, which camp.export writes")
     parser.add_argument("--skill", required=True, help="one of the policy's skills (policy.json lists them)")
     parser.add_argument(
