@@ -1,4 +1,4 @@
-"""A walk with a switch over DDS: controller and simulated robot in processes of their own, in lockstep."""
+"""A walk with gait switches over DDS: controller and simulated robot in processes of their own, in lockstep."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ pytest.importorskip("unitree_sdk2py", reason="comes with the go2 extra")
 from camp.metrics.contact import debounced
 from camp.metrics.gait import measure_gait
 
-SCRIPT = "0 stand, 3.6 walk, 3.6 velocity 0.5 0 0, 5.6 skill pace_3hz, 7.6 quit"
+SCRIPT = "0 stand, 3.6 walk, 3.6 velocity 0.5 0 0, 5.6 skill pace_3hz, 7.6 skill bound_3hz, 9.6 quit"
 FIRST_DOMAIN, DOMAINS = 50, 150
 
 
@@ -55,10 +55,10 @@ def test_two_processes_walk_and_switch(shipped_path, domain, tmp_path):
         time_s, contact, tilt = found["time_s"], found["contact"], found["tilt_rad"]
     assert tilt.max() < 0.5
     shown = []
-    for begin, end in ((4.2, 5.6), (6.2, 7.6)):
+    for begin, end in ((4.2, 5.6), (6.2, 7.6), (8.2, 9.6)):
         walked = contact[(time_s >= begin) & (time_s < end)]
         shown.append(measure_gait(debounced(walked[None], 0.02), 0.02).label[0])
-    assert shown == ["trot", "pace"]
+    assert shown == ["trot", "pace", "bound"]
     with log.open() as file:
         rows = list(csv.DictReader(file))
     states = [row["state"] for row in rows]

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from camp.lowlevel.conditions import Conditions
+from camp.lowlevel.pace import Beat
 from camp.lowlevel.plant import Setup
 from camp.lowlevel.state_machine import Fault, State
-from tests.lowlevel.rig import Rig
+from tests.lowlevel.rig import Rig, reading
 
 SCRIPT = "0 stand, 3.6 walk, 3.6 velocity 0.4 0 0"
 FAILS_S = 4.5  # in the middle of the walk
@@ -23,6 +24,13 @@ def test_a_walk_ends_lying_at_rest(shipped):
     assert rig.rests_on_its_legs() and rig.plant.robot.data.qpos[0] > 0.3
 
 
+def test_only_in_lockstep_is_a_state_of_the_same_time_an_old_one(shipped):
+    controller = Rig(shipped, SCRIPT).controller
+    assert controller._note(Beat(0.0, 0.0, reading(5))) and controller._note(Beat(0.02, 0.0, reading(5)))
+    assert not controller._note(Beat(0.04, 0.0, reading(5), step=3))
+    assert controller._note(Beat(0.06, 0.0, reading(6), step=4))
+
+
 def test_a_lost_state_ends_in_lying_down_and_damping(shipped):
     rig = Rig(shipped, SCRIPT, Setup(states=Conditions(outage_at_s=FAILS_S, outage_s=np.inf)))
     assert rig.controller.run() is Fault.STATE_LOST
@@ -34,9 +42,9 @@ def test_a_robot_that_is_gone_is_a_lost_state(shipped):
     rig = Rig(shipped, SCRIPT)
     poll = rig.controller._desk.input.poll
 
-    def gone(now_s, reading, wanted):
+    def gone(now_s, newest, wanted):
         rig.link.connected = now_s < FAILS_S
-        return poll(now_s, reading, wanted)
+        return poll(now_s, newest, wanted)
 
     rig.controller._desk.input.poll = gone  # type: ignore[method-assign]
     assert rig.controller.run() is Fault.STATE_LOST
@@ -114,10 +122,10 @@ def _at(rig: Rig, time_s: float, event) -> None:
     """Let something happen when the plant's time has come."""
     poll, done = rig.controller._desk.input.poll, []
 
-    def polled(now_s, reading, wanted):
+    def polled(now_s, newest, wanted):
         if now_s >= time_s and not done:
             done.append(event())
-        return poll(now_s, reading, wanted)
+        return poll(now_s, newest, wanted)
 
     rig.controller._desk.input.poll = polled  # type: ignore[method-assign]
 

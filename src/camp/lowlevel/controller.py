@@ -84,9 +84,12 @@ class Controller:
         )
 
     def _note(self, beat: Beat) -> bool:
-        """Keep the newest reading; whether it is a new one."""
-        came = beat.reading
-        if came is None or (self._newest is not None and came.time_ms == self._newest.time_ms):
+        """Keep the newest reading; whether it is a new one.
+
+        In lockstep a lost one is sent once more. Otherwise all that comes is new: Unitree's simulator has no clock.
+        """
+        came, known = beat.reading, self._newest
+        if came is None or (beat.step > 0 and known is not None and came.time_ms == known.time_ms):
             return False
         self._newest, self._came_s = came, beat.now_s
         return True
