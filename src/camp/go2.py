@@ -58,11 +58,12 @@ def run(options: argparse.Namespace) -> int:
     walker = Walker(policy)
     with ExitStack() as stack:
         network = Network(options.interface, domain_of(options))
-        link = DdsRobotLink(network)
-        take_over(link, None if options.no_sport_mode else MotionSwitcher(network))
         log = MessageLog(options.log)
         stack.callback(log.close)
         asks = Script(entries) if entries is not None else _input(options.input, stack)
+        link = DdsRobotLink(network)
+        take_over(link, None if options.no_sport_mode else MotionSwitcher(network))
+        print("the robot answers and nobody else commands it: passive", flush=True)
         pace = (Lockstep if options.lockstep else RealTime)(walker.period_s)
         controller = Controller(link, walker, pace, Desk(asks, wanted, log))
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):

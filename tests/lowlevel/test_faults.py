@@ -72,6 +72,18 @@ def test_a_policy_that_fails_ends_in_lying_down_and_damping(shipped, monkeypatch
     assert rig.log.states == [*UP, State.HOLDING, State.LYING_DOWN, State.DAMPING]
 
 
+def test_an_error_of_the_program_ends_in_lying_down_and_damping(shipped, monkeypatch):
+    rig = Rig(shipped, SCRIPT)
+
+    def bug(*_):
+        raise ZeroDivisionError
+
+    _at(rig, FAILS_S, lambda: monkeypatch.setattr(rig.controller._walker, "target", bug))
+    with pytest.raises(ZeroDivisionError):
+        rig.controller.run()
+    assert rig.controller.machine.state is State.DAMPING and rig.rests_on_its_legs()
+
+
 def test_a_target_beyond_the_limits_ends_in_lying_down_and_damping(shipped, monkeypatch):
     rig = Rig(shipped, SCRIPT)
     wild = np.full(12, 9.0, np.float32)

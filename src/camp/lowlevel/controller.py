@@ -37,6 +37,7 @@ class Controller:
         self._came_s = -math.inf
         self._quits = False
         self._interrupts = 0
+        self._answers = 0  # the step that is under way, in lockstep
         self._begun_s: float | None = None  # of the first change that was printed
 
     def interrupt(self) -> None:
@@ -44,10 +45,26 @@ class Controller:
         self._interrupts += 1
 
     def run(self) -> Fault | None:
-        """Control the robot; returns the fault that ended it, or None."""
-        while not self._over():
-            self._step()
+        """Control the robot; returns the fault that ended it, or None.
+
+        Where this program itself fails, the robot is laid down and damped before the error goes on.
+        """
+        try:
+            while not self._over():
+                self._step()
+        except BaseException:
+            self._end_blind()
+            raise
         return self.machine.fault
+
+    def _end_blind(self) -> None:
+        """As after a lost state: nothing else of this program is relied on."""
+        self._quits = True
+        self._link.send(replace(self.machine.command(), step=self._answers))  # in lockstep the robot waits for it
+        while not self._over():
+            beat = self._pace.next(self._link)
+            self.machine.watch(beat.now_s, None, math.inf)
+            self._link.send(replace(self.machine.command(), step=beat.step))
 
     def _over(self) -> bool:
         state = self.machine.state
@@ -57,6 +74,7 @@ class Controller:
     def _step(self) -> None:
         beat, machine = self._pace.next(self._link), self.machine
         begun, before = time.perf_counter(), machine.state
+        self._answers = beat.step
         fresh = self._note(beat)
         order = self._order(beat.now_s)
         self._desk.wanted.take(order)
