@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,10 @@ from camp.config.compose import compose_config
 from camp.config.schema import Config
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.store import load_clips
+
+# A shell starts a command in the background with Ctrl-C ignored, and so would every command that the tests interrupt.
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

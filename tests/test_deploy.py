@@ -188,7 +188,7 @@ def test_input_that_cannot_be_used_is_one_line(policy, run, capfd, arguments, me
         ("kp", None, "metadata kp: missing"),
         ("kp", "30, 30", "metadata kp = '30, 30': not JSON"),
         ("kp", "[30, 30]", "metadata kp = [30, 30]: not 12 finite numbers"),
-        ("kd", json.dumps([1.0] * 11 + [float("nan")]), "not 12 finite numbers"),
+        ("kd", json.dumps([1.0] * 11 + [float("nan")]), "holds NaN, which is no number"),
         ("action_scale", "0", "metadata action_scale = 0: not a finite number above 0"),
         ("joint_names", json.dumps(["FL_hip"] * 12), "not the robot's 12 joints"),
         ("skills", "3", "metadata skills = 3: not a list of names"),

@@ -156,7 +156,11 @@ def test_literal_command_in_a_process_of_its_own(tree):
     environment = os.environ | {"PYTHONPATH": f"{repository}{os.pathsep}{repository / 'src'}"}
     result = subprocess.run(command, capture_output=True, text=True, env=environment)
     assert (result.returncode, result.stderr) == (0, "")
-    assert result.stdout.split("\n") == ["no_skill_disc 0", "no_skill_disc 1", "no_skill_disc 2", ""]
+    assert result.stdout.splitlines() == [
+        line
+        for seed in range(3)
+        for line in (f"job {seed + 1} of 3: +ablation=no_skill_disc seed={seed}", f"no_skill_disc {seed}")
+    ]
 
 
 @pytest.mark.parametrize(

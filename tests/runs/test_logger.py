@@ -93,7 +93,7 @@ def test_damaged_line_is_named_and_nothing_is_changed(tmp_path, line):
     path = tmp_path / "metrics.jsonl"
     path.write_text(f'{{"iteration": 1}}\n{line}\n{{"iteration": 3}}\n')
     before = path.read_bytes()
-    with pytest.raises(CheckpointError, match=r"metrics\.jsonl line 2: not a metrics line; restore"):
+    with pytest.raises(CheckpointError, match=r"metrics\.jsonl line 2: not a metrics line \(.*\); restore"):
         truncate_metrics(path, 2)
     assert path.read_bytes() == before
 

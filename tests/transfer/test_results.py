@@ -62,7 +62,7 @@ def printed(*results) -> list[str]:
 def test_the_tables_are_80_columns_wide():
     lines = printed(*(result(name, *[RIGHT] * 140, FELL) for name in ("drake", "sapien", "mujoco", "dart")))
     assert max(map(len, lines)) <= 80 and not any("…" in line for line in lines)
-    rows = [line.split("│")[2].strip() for line in lines if line.startswith("│ go2")]
+    rows = [line.split()[1] for line in lines if line.startswith(" go2")]
     assert rows == ["mujoco", "sapien", "dart", "drake"]
     assert any("140/140" in line for line in lines)
 
