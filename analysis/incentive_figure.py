@@ -52,8 +52,8 @@ def draw_margins(rows: Sequence[Incentive]) -> Figure:
             axis.set_ylim(len(arms) - 0.5, -0.5)
             axis.grid(axis="x", color=GRID, linewidth=0.5)
             axis.set_axisbelow(True)
-            axis.set_title(f"against the fakes of a policy that is {fakes}", fontsize=8, loc="left")
-        axes[-1].set_xlabel("commanded skill less others (weighted reward)")
+            axis.set_title(f"fakes of a policy that is {fakes}", fontsize=8)
+        axes[-1].set_xlabel("weighted reward: commanded less others")
         handles, labels = axes[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=2)
     return figure

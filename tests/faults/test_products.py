@@ -133,7 +133,7 @@ def test_figures(nursery: Nursery, tmp_path: Path, run: Path, kills: int, count:
         if picture.exists():
             Image.open(picture).verify()
     finish(nursery, command, tmp_path)
-    assert [path.name for path in picture.parent.iterdir()] == [picture.name]
+    assert sorted(path.name for path in picture.parent.iterdir()) == ["training.pdf", "training.png"]
 
 
 def test_shipping(nursery: Nursery, tmp_path: Path, kills: int, count: Count, campaign: None):
