@@ -25,6 +25,7 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass as checked
 
 from camp.common.errors import ConfigError
+from camp.common.foreign import first_problem
 from camp.config.compose import compose_config
 from camp.config.hydra_errors import INPUT_ERRORS, describe
 
@@ -85,9 +86,8 @@ def read_study(path: Path) -> Study:
     try:
         study = TypeAdapter(Study).validate_python(plain)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        where = ".".join(map(str, first["loc"])) or "the file"
-        raise ConfigError(f"study {path}: {where}: {first['msg']}; see analysis/study.py for an example") from error
+        problem = first_problem(error, "the file")
+        raise ConfigError(f"study {path}: {problem}; see analysis/study.py for an example") from error
     _check(study, path)
     return study
 

@@ -19,6 +19,7 @@ from analysis.reports import read_report
 from analysis.study import Study, Thresholds, jobs_of
 from analysis.study_runs import seconds_of, state_of
 from camp.common.files import write_text
+from camp.common.foreign import first_problem
 from camp.runs.folder import METRICS
 from camp.runs.metrics import read_metrics
 
@@ -141,6 +142,4 @@ def read_result(path: Path) -> StudyResult:
     except OSError as error:
         raise AnalysisError(f"result {path}: {error.strerror or error}; {remedy}") from error
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        where = ".".join(map(str, first["loc"])) or "the file"
-        raise AnalysisError(f"result {path}: {where}: {first['msg']}; {remedy}") from error
+        raise AnalysisError(f"result {path}: {first_problem(error, 'the file')}; {remedy}") from error

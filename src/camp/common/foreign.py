@@ -7,11 +7,14 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import yaml
 
 from camp.common.errors import CampError
+
+if TYPE_CHECKING:
+    from pydantic import ValidationError
 
 LARGEST_BYTES = 2**28  # of a file, and of what it unpacks to: an hour of motion in any format takes less
 LARGEST_YAML = 2**20  # bytes; a configuration has 5000, and reading a MiB takes seconds
@@ -79,3 +82,11 @@ def _finite(text: str) -> float:
 
 def _whole(text: str) -> int:
     return int(text) if len(text) <= MOST_DIGITS else _no_number(f"{text[:MOST_DIGITS]}...")
+
+
+def first_problem(error: ValidationError, whole: str = "") -> str:
+    """The first of pydantic's complaints as one line: where, and what; ``whole`` is where it is about everything."""
+    first = error.errors(include_url=False)[0]
+    where = ".".join(str(part) for part in first["loc"]) or whole
+    what = first["msg"].removeprefix("Value error, ")
+    return f"{where}: {what}" if where else what

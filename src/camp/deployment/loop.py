@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camp.common.errors import CampError
+from camp.common.onnx_session import open_session
 from camp.deployment.metadata import read_metadata
 
 Array = NDArray[np.float32]
@@ -23,21 +24,8 @@ class Policy:
 
     def __init__(self, path: Path):
         """Raises CampError where the file or onnxruntime is missing, or the file is no exported policy."""
-        try:
-            import onnxruntime
-        except ImportError as error:
-            raise CampError(
-                "package onnxruntime: not installed; install camp's extra `export`: "
-                "pip install -e '.[export]' -c constraints.txt"
-            ) from error
-        if not path.is_file():
-            raise CampError(f"policy {path}: not found; write it with `python -m camp.export run=<run folder>`")
-        options = onnxruntime.SessionOptions()
-        options.intra_op_num_threads = 1  # for so small a network further ones only wait, and burn a processor
-        try:
-            self._session = onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
-        except Exception as error:  # onnxruntime has no class of its own for all that a damaged file raises
-            raise CampError(f"policy {path}: not a readable ONNX file; export it again") from error
+        missing = "not found; write it with `python -m camp.export run=<run folder>`"
+        self._session = open_session(path, missing)
         properties = self._session.get_modelmeta().custom_metadata_map
         if "joint_names" not in properties:
             raise CampError(f"policy {path}: holds no metadata of camp.export; export it again")

@@ -11,7 +11,7 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from camp.common.errors import CampError
-from camp.common.foreign import foreign_file, read_json
+from camp.common.foreign import first_problem, foreign_file, read_json
 from camp.gaits.schedule import GAIT_PHASES
 from camp.gaits.skills import Skill
 from camp.robots.quadruped import JOINT_NAMES, NUM_JOINTS
@@ -124,14 +124,6 @@ def read_contract(path: Path) -> Contract:
     with foreign_file(path, f"contract {path}: cannot be used", remedy, CampError):
         read_json(text)  # whose numbers are finite
     return contract
-
-
-def first_problem(error: ValidationError) -> str:
-    """The first of pydantic's complaints as one line: where, and what."""
-    first = error.errors(include_url=False)[0]
-    where = ".".join(str(part) for part in first["loc"])
-    what = first["msg"].removeprefix("Value error, ")
-    return f"{where}: {what}" if where else what
 
 
 def _problems(contract: Contract):

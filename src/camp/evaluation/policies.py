@@ -11,6 +11,7 @@ import torch
 from torch import Tensor
 
 from camp.common.errors import CampError
+from camp.common.onnx_session import ERRORS, open_session
 from camp.config.schema import Config
 from camp.evaluation.contract import TERM_SIZES, CommandRange, Contract, Output, Term
 from camp.evaluation.robot import ROBOT
@@ -74,22 +75,7 @@ class OnnxAnswer:
 
     def __init__(self, path: Path):
         """Raises CampError where the file or onnxruntime is missing, or the file holds no such network."""
-        try:
-            import onnxruntime
-        except ImportError as error:
-            raise CampError(
-                "package onnxruntime: not installed; install camp's extra `export`: "
-                "pip install -e '.[export]' -c constraints.txt"
-            ) from error
-        if not path.is_file():
-            raise CampError(f"policy {path}: not found")
-        options = onnxruntime.SessionOptions()
-        options.intra_op_num_threads = 1
-        options.log_severity_level = 3
-        try:
-            self._session = onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
-        except Exception as error:  # onnxruntime has no class of its own for all that a damaged file raises
-            raise CampError(f"policy {path}: not a readable ONNX file; export it again") from error
+        self._session = open_session(path, "not found", ERRORS)
         inputs, outputs = self._session.get_inputs(), self._session.get_outputs()
         if len(inputs) != 1 or len(inputs[0].shape) != 2 or inputs[0].type != "tensor(float)":
             found = ", ".join(f"{one.name} {one.shape} {one.type}" for one in inputs)

@@ -14,7 +14,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from camp.common.errors import CampError
 from camp.common.files import write_text
-from camp.common.foreign import foreign_file, read_json
+from camp.common.foreign import first_problem, foreign_file, read_json
 from camp.metrics.statistics import Verdict
 
 FORMAT: Literal[2] = 2  # of eval.json; 1 had neither suite nor intervals
@@ -292,9 +292,7 @@ def parse_report(text: bytes, path: Path, remedy: str) -> Report:
     try:
         return _ADAPTER.validate_json(text)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        where = ".".join(map(str, first["loc"]))
-        reason = f"{where}: {first['msg']}" if where else first["msg"]
-        if where == "format":
+        reason = first_problem(error)
+        if reason.startswith("format: "):
             reason = f"of another format than {FORMAT}, by an older or newer judge"
         raise ReportError(f"report {path}: no evaluation's report ({reason}); {remedy}") from error

@@ -13,6 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from camp.common.errors import CampError
 from camp.common.files import write_text
+from camp.common.foreign import first_problem
 from camp.deployment.loop import Policy
 from camp.evaluation.config import EvaluationConfig
 from camp.evaluation.contract import parse_skill
@@ -132,9 +133,7 @@ def read_result(path: Path) -> Result:
     except OSError as error:
         raise CampError(f"result {path}: {error.strerror or error}; walk again") from error
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        where = ".".join(map(str, first["loc"]))
-        reason = f"{where}: {first['msg']}" if where else first["msg"]
+        reason = first_problem(error)
         raise CampError(f"result {path}: no result of camp.transfer ({reason}); walk again, or remove it") from error
 
 
