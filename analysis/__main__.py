@@ -1,10 +1,10 @@
-"""`python -m analysis [run=<folder>] [only=<figure>,...]`: draw all figures of a run into <folder>/figures.
+"""`python -m analysis [run=<folder>] [only=<figure>,...] [wandb=true]`: draw all figures of a run.
 
-Each is a PDF and a PNG. Those of a shipped policy go into outputs/<its name>/figures. Without `run` the newest
-evaluated run below outputs/ is taken. What lacks its input is left out, and a line says which command makes it; the
-others are drawn. `only` draws some: data_flow, training, confusion, robustness, film_strip, contacts, joints, clusters,
-dtw, dtw_expert, incentive, incentive_margins, skill_cost, or ablations (figures and Table IV of every study in
-ablations/results).
+Each is a PDF and a PNG in <folder>/figures. Those of a shipped policy go into outputs/<its name>/figures. Without `run`
+the newest evaluated run below outputs/ is taken. What lacks its input is left out, and a line says which command makes
+it; the others are drawn. `only` draws some: data_flow, training, confusion, robustness, film_strip, contacts, joints,
+clusters, dtw, dtw_expert, incentive, incentive_margins, skill_cost, or ablations (figures and Table IV of studies in
+ablations/results). `wandb=true` logs them in the run's W&B run as well.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from camp.common.errors import CampError
 from camp.common.files import make_folder, write_text
 from camp.common.paths import policies_root
 from camp.common.progress import phase
+from camp.evaluation.record import log_figures
 from camp.runs.folder import FIGURES as FOLDER
 from camp.runs.folder import results_folder
 
@@ -95,11 +96,15 @@ def _write_tables(study, target: Path) -> list[Path]:
 
 def draw_figures(arguments: Sequence[str]) -> None:
     """Draw the figures, a line for each. Raises CampError where none can be drawn."""
-    names = chosen(arguments)
-    folder = run_folder([argument for argument in arguments if not argument.startswith("only=")])
+    names, logged = chosen(arguments), wandb_asked(arguments)
+    folder = run_folder([one for one in arguments if not one.startswith(("only=", "wandb="))])
+    sources = Sources(folder)
+    if logged:
+        check_wandb(sources)
     target = make_folder(figures_folder(folder))
-    drawn, last = 0, None
-    for name, task in tasks(names, Sources(folder), target):
+    drawn: list[Path] = []
+    last = None
+    for name, task in tasks(names, sources, target):
         begun = time.perf_counter()
         try:
             with phase(f"drawing {name}", stream=sys.stderr):
@@ -108,10 +113,32 @@ def draw_figures(arguments: Sequence[str]) -> None:
             last = error
             print(f"{name} is left out: {error}", file=sys.stderr, flush=True)
             continue
-        drawn += 1
+        drawn += paths
         print(f"{' '.join(map(str, paths))} ({time.perf_counter() - begun:.1f} s)", flush=True)
-    if not drawn and last is not None:
+    if last is not None and not drawn:
         raise load.AnalysisError(f"nothing was drawn: {last}")
+    if logged:
+        pictures = {path.stem: path for path in drawn if path.suffix == ".png"}
+        log_figures(sources.run, folder, pictures)
+        print(f"{len(pictures)} figures are in the W&B run of {folder}")
+
+
+def wandb_asked(arguments: Sequence[str]) -> bool:
+    """Whether wandb=true is given. Raises AnalysisError for another value."""
+    values = [one.removeprefix("wandb=") for one in arguments if one.startswith("wandb=")]
+    if values not in ([], ["true"], ["false"]):
+        raise load.AnalysisError(f"wandb={values[0]}: give true or false, once")
+    return values == ["true"]
+
+
+def check_wandb(sources: Sources) -> None:
+    """Raise AnalysisError where the run has no W&B run that could be gone on with."""
+    if results_folder(sources.folder) != sources.folder:
+        raise load.AnalysisError(
+            f"wandb=true: {sources.folder} is a shipped policy, which has no W&B run; leave it out"
+        )
+    if sources.run.config.logger.wandb_mode == "disabled":
+        raise load.AnalysisError(f"wandb=true: {sources.folder} was trained without a W&B run; leave it out")
 
 
 def main(arguments: list[str]) -> int:

@@ -13,6 +13,7 @@ from camp.deployment.provenance import condensed
 from camp.runs import folder as run_folders
 from tests.analysis.synthetic import metrics, write_evaluation, write_metrics
 from tests.errors import assert_one_line
+from tests.small_run import small_run
 
 
 def _a_line(sources) -> Figure:
@@ -59,6 +60,21 @@ def test_a_figure_twice_is_the_same_file(folder):
     assert first[0][:4] == b"\x89PNG" and first[1][:4] == b"%PDF"
     assert command.main([f"run={folder}", "only=training"]) == 0
     assert [file.read_bytes() for file in files] == first
+
+
+def test_figures_go_into_the_runs_own_wandb_run(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(command, "FIGURES", {"training": _a_line})
+    run = small_run(tmp_path / "run", [])
+    assert command.main([f"run={run}", "only=training", "wandb=true"]) == 2  # trained with wandb_mode=disabled
+    assert "trained without a W&B run" in capsys.readouterr().err
+    config = run / "config.yaml"
+    config.write_text(config.read_text().replace("wandb_mode: disabled", "wandb_mode: offline"))
+    assert command.main([f"run={run}", "only=training", "wandb=true"]) == 0
+    assert "1 figures are in the W&B run" in capsys.readouterr().out
+    (picture,) = (run / "wandb").glob("offline-run-*/files/media/images/figures/training_*.png")
+    assert picture.read_bytes() == (run / "figures" / "training.png").read_bytes()
+    assert command.main([f"run={run}", "wandb=yes"]) == 2
+    assert "give true or false" in capsys.readouterr().err
 
 
 def test_nothing_drawn_is_an_error(folder, capsys):

@@ -80,6 +80,10 @@ def test_evaluating_a_run_writes_its_report(tmp_path, capsys, monkeypatch):
         assert saved["walk_failed"].shape == (4, 7) and saved["table_i_friction"].shape == (4,)
 
     assert wandb_run.finished
+    skills = wandb_run.logged["evaluation/skills"]
+    assert [row[:2] for row in skills.data] == [["trot", 2], ["bound", 2]] and len(skills.columns) == len(
+        skills.data[0]
+    )
     assert wandb_run.summary["evaluation/policies/standing/all/stepping"] == 0.0
     output = capsys.readouterr()
     assert (
@@ -91,7 +95,8 @@ def test_evaluating_a_run_writes_its_report(tmp_path, capsys, monkeypatch):
         pytest.skip("no off-screen OpenGL here")
     videos = sorted(path.name for path in (run / "videos").glob("*.mp4"))
     assert videos == ["bound.mp4", "switching.mp4", "trot.mp4"]
-    assert wandb_run.logged.keys() == {f"evaluation/video/{p[:-4]}" for p in videos} and wandb_run.step == 8
+    pictures = {f"evaluation/video/{p[:-4]}" for p in videos}
+    assert wandb_run.logged.keys() == pictures | {"evaluation/skills"} and wandb_run.step == 8
 
 
 def test_an_ablation_and_its_skills_of_one_frequency(tmp_path):
