@@ -123,11 +123,13 @@ def train(priors: Sequence[Prior], shown: Shown, fakes: Fakes, iterations: int, 
             prior.update(fakes(batch, source), shown.learned, source)
 
 
-def converge(prior: SkillPrior, shown: Shown, seed: int, least_gain: float = 0.02) -> list[float]:
+def converge(
+    prior: SkillPrior, shown: Shown, seed: int, least_gain: float = 0.02, most_blocks: int = MOST_BLOCKS
+) -> list[float]:
     """Let a skill prior learn until its loss on held-out motion falls by less than ``least_gain`` of it in BLOCK
     iterations; returns the losses, one for each block."""
     source, losses = generator(seed, "priors"), []
-    for _ in range(MOST_BLOCKS):
+    for _ in range(most_blocks):
         for _ in range(BLOCK):
             prior.update(shown.learned.sample(1, source), shown.learned, source)
         with torch.no_grad():
