@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 import torch
+import yaml
 
 from camp.build import Run, build_env, load_run
 from camp.cli.key_values import run_command
@@ -186,3 +187,37 @@ def test_the_command_as_it_is_typed(run, tmp_path):
     done = subprocess.run(command, cwd=tmp_path, env=os.environ | {"OMP_NUM_THREADS": "1"}, capture_output=True)
     assert done.returncode == 0 and done.stderr == b""
     assert sorted(path.name for path in (tmp_path / "here").iterdir()) == ["policy.json", "policy.onnx"]
+
+
+def test_unitrees_controllers_get_a_policy_for_each_skill(run, loaded, tmp_path, capsys):
+    assert run_command(export, [f"run={run}", f"output={tmp_path}", "controller=unitree"], None) == 0
+    assert capsys.readouterr().out.count("wrote ") == len(loaded.skills)
+    observation = 3.0 * torch.randn(1, 45, generator=torch.Generator().manual_seed(5))
+    for label, skill in enumerate(loaded.skills):
+        folder = tmp_path / "unitree" / skill
+        session = onnxruntime.InferenceSession(str(folder / "exported/policy.onnx"), providers=["CPUExecutionProvider"])
+        assert [(one.name, one.shape) for one in session.get_inputs()] == [("obs", [1, 45])]  # what OrtRunner sizes
+        (action,) = session.run(None, {"obs": observation.numpy()})
+        one_hot = torch.eye(len(loaded.skills))[label : label + 1]
+        with torch.no_grad():
+            expected = loaded.actor(torch.cat([observation, one_hot], dim=1))
+        torch.testing.assert_close(torch.from_numpy(action), expected, atol=1e-5, rtol=0.0)
+
+        told = yaml.safe_load((folder / "params/deploy.yaml").read_text())
+        # Unitree's own file for the Go2 has the same map: FL's joints are motors 3, 4, 5.
+        assert told["joint_ids_map"] == [3, 4, 5, 0, 1, 2, 9, 10, 11, 6, 7, 8]
+        assert told["stiffness"][:3] == [30.0, 30.0, 40.0] and told["step_dt"] == 0.02
+        position = told["actions"]["JointPositionAction"]
+        assert (
+            position["scale"] == [0.25] * 12 and position["offset"] == told["default_joint_pos"] == [0.0, 0.9, -1.8] * 4
+        )
+        assert sum(len(term["scale"]) for term in told["observations"].values()) == 45
+        assert list(told["observations"])[:3] == ["base_ang_vel", "projected_gravity", "velocity_commands"]
+
+
+def test_what_unitrees_controllers_do_not_observe_is_told(tmp_path, capsys):
+    other = small_run(tmp_path / "run", ["env.observation.policy=[gravity,skill,command]"])
+    assert run_command(export, [f"run={other}", "controller=unitree"], None) == 2
+    assert "env.observation.policy = gravity, skill, command" in capsys.readouterr().err
+    assert run_command(export, [f"run={other}", "controller=ros"], None) == 2
+    assert "choose camp or unitree" in capsys.readouterr().err

@@ -75,4 +75,4 @@ def test_from_scratch_trains_and_draws_what_it_learns():
     figures, printed = execute("from_scratch", {"ITERATIONS": "ITERATIONS, ROBOTS, LOOK_EVERY = 3, 16, 2"})
     assert figures == 2 + 2 * 2  # the expert's gaits; the policy's, twice
     assert "iteration 2, " in printed and "iteration 3, " in printed
-    assert "commanded pace_3hz: " in printed and "commanded pronk_3hz: " in printed
+    assert "commanded trot_3hz: " in printed and "commanded pronk_3hz: " in printed

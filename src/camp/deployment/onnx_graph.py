@@ -18,6 +18,7 @@ from torch import Tensor, nn
 from camp import __version__
 from camp.algo.models import GaussianActor
 from camp.common.errors import CampError
+from camp.robots.quadruped import NUM_JOINTS
 
 if TYPE_CHECKING:
     import onnx
@@ -51,39 +52,24 @@ def policy_graph(
     than Linear and ELU.
     """
     require_packages()
-    import onnx
-    from onnx import TensorProto, helper
-
     graph = _Graph()
-    normalizer = actor.normalizer
-    graph.add("Sub", "centred", mean=normalizer.mean)
-    graph.add("Div", "standardized", std=normalizer.std)
-    graph.add("Clip", "clipped", lower=torch.tensor(-normalizer.clip), upper=torch.tensor(normalizer.clip))
-    for i, layer in enumerate(actor.network):
-        if isinstance(layer, nn.Linear):
-            graph.add("Gemm", f"layer_{i}", {"transB": 1}, weight=layer.weight, bias=layer.bias)
-        elif isinstance(layer, nn.ELU):
-            graph.add("Elu", f"layer_{i}", {"alpha": layer.alpha})
-        else:
-            raise ExportError(f"actor layer {i} is a {type(layer).__name__}: only Linear and ELU can be exported")
+    graph.add_actor(actor)
     graph.add("Mul", "scaled", action_scale=torch.tensor(action_scale))
     graph.add("Add", "joint_target", default_pose=default_pose)
-    model = helper.make_model(
-        helper.make_graph(
-            graph.nodes,
-            "policy",
-            [helper.make_tensor_value_info("obs", TensorProto.FLOAT, ["N", len(normalizer.mean)])],
-            [helper.make_tensor_value_info("joint_target", TensorProto.FLOAT, ["N", len(default_pose)])],
-            graph.constants,
-        ),
-        opset_imports=[helper.make_opsetid("", OPSET)],
-        ir_version=IR_VERSION,
-        producer_name="camp",
-        producer_version=__version__,
-    )
-    helper.set_model_props(model, {key: json.dumps(value) for key, value in metadata.items()})
-    onnx.checker.check_model(model, full_check=True)
-    return model
+    return graph.model(("N", len(actor.normalizer.mean)), ("N", len(default_pose)), metadata)
+
+
+def one_skill_graph(actor: GaussianActor, skill: Tensor, metadata: Mapping[str, Any]) -> onnx.ModelProto:
+    """``action = actor([obs, skill])`` as an ONNX model: the policy under one skill, for controllers that know none.
+
+    obs: (1, O - K) float32, SI units, without the skill's entries, which come last; skill: (K,) what the policy
+    observes of it; the answer: (1, A) float32, in action scales. Raises ExportError as `policy_graph`.
+    """
+    require_packages()
+    graph = _Graph()
+    graph.add("Concat", "with_skill", {"axis": 1}, skill=skill[None])
+    graph.add_actor(actor)
+    return graph.model((1, len(actor.normalizer.mean) - len(skill)), (1, NUM_JOINTS), metadata)
 
 
 def largest_difference(model: onnx.ModelProto, reference: nn.Module, observation: Tensor) -> float:
@@ -99,12 +85,26 @@ def largest_difference(model: onnx.ModelProto, reference: nn.Module, observation
 
 
 class _Graph:
-    """A chain of nodes, each fed by the one before it and by constants of its own."""
+    """A chain of nodes from `obs`, each fed by the one before it and by constants of its own."""
 
     def __init__(self) -> None:
         self.nodes: list[onnx.NodeProto] = []
         self.constants: list[onnx.TensorProto] = []
         self._end = "obs"
+
+    def add_actor(self, actor: GaussianActor) -> None:
+        """The normalizer and the layers. Raises ExportError for a layer of another kind than Linear and ELU."""
+        normalizer = actor.normalizer
+        self.add("Sub", "centred", mean=normalizer.mean)
+        self.add("Div", "standardized", std=normalizer.std)
+        self.add("Clip", "clipped", lower=torch.tensor(-normalizer.clip), upper=torch.tensor(normalizer.clip))
+        for i, layer in enumerate(actor.network):
+            if isinstance(layer, nn.Linear):
+                self.add("Gemm", f"layer_{i}", {"transB": 1}, weight=layer.weight, bias=layer.bias)
+            elif isinstance(layer, nn.ELU):
+                self.add("Elu", f"layer_{i}", {"alpha": layer.alpha})
+            else:
+                raise ExportError(f"actor layer {i} is a {type(layer).__name__}: only Linear and ELU can be exported")
 
     def add(self, operator: str, output: str, attributes: dict[str, Any] | None = None, **constants: Tensor) -> None:
         from onnx import helper, numpy_helper
@@ -117,3 +117,27 @@ class _Graph:
         chain = [self._end, *inputs.values()]
         self.nodes.append(helper.make_node(operator, chain, [output], name=output, **(attributes or {})))
         self._end = output
+
+    def model(
+        self, observed: tuple[int | str, int], answered: tuple[int | str, int], metadata: Mapping[str, Any]
+    ) -> onnx.ModelProto:
+        """The whole model from `obs` to the last node's output, checked; shapes of both."""
+        import onnx
+        from onnx import TensorProto, helper
+
+        model = helper.make_model(
+            helper.make_graph(
+                self.nodes,
+                "policy",
+                [helper.make_tensor_value_info("obs", TensorProto.FLOAT, observed)],
+                [helper.make_tensor_value_info(self._end, TensorProto.FLOAT, answered)],
+                self.constants,
+            ),
+            opset_imports=[helper.make_opsetid("", OPSET)],
+            ir_version=IR_VERSION,
+            producer_name="camp",
+            producer_version=__version__,
+        )
+        helper.set_model_props(model, {key: json.dumps(value) for key, value in metadata.items()})
+        onnx.checker.check_model(model, full_check=True)
+        return model

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from camp.lowlevel.messages import Array
-from camp.robots.quadruped import JOINT_KINDS, JOINT_NAMES
-
-MOTOR_LEGS = ("FR", "FL", "RR", "RL")
-MOTOR_NAMES = tuple(f"{leg}_{kind}_joint" for leg in MOTOR_LEGS for kind in JOINT_KINDS)  # motor 0 to 11
+from camp.robots.motor_order import MOTOR_NAMES
+from camp.robots.quadruped import JOINT_NAMES
 
 _JOINT_OF_MOTOR = np.array([JOINT_NAMES.index(name) for name in MOTOR_NAMES])
 _MOTOR_OF_JOINT = np.argsort(_JOINT_OF_MOTOR)
