@@ -102,6 +102,20 @@ def test_a_small_kl_raises_the_rate_to_its_ceiling_and_a_large_one_lowers_it_to_
     assert careful.learning_rate == pytest.approx(1e-5)
 
 
+def test_once_an_iteration_the_rate_takes_one_correction_by_the_last_epoch():
+    """The first epoch's KL, which begins at 0, does not count: the last one's alone decides."""
+    ppo = make_ppo(adapt_each="iteration", desired_kl=1e6)
+    train(ppo, range(1))
+    assert ppo.learning_rate == pytest.approx(1.5 * 3e-4)
+    rollout = make_rollout(ppo, 1)
+    kls = []
+    plain = ppo._adapt
+    ppo._adapt = lambda kl: (kls.append(kl.item()), plain(kl))  # type: ignore[method-assign]
+    metrics = ppo.update(rollout, *advantage_of(rollout), rng(1))
+    assert len(kls) == 1 and kls[0] > metrics["ppo/kl"] > 0.0  # the mean over all epochs is smaller
+    assert make_ppo(adapt_each="iteration", adaptive=False).learning_rate == 3e-4
+
+
 def test_the_desired_kl_falls_over_the_last_iterations():
     config = make_ppo(desired_kl=0.04, final_desired_kl=0.01, settle_fraction=0.4).config
     assert [desired_kl_at(progress, config) for progress in (0.0, 0.6)] == [0.04, 0.04]

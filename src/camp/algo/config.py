@@ -13,6 +13,7 @@ from omegaconf import MISSING
 from camp.common import checks
 from camp.common.bounds import Fraction, Seconds, Weight, Within
 
+MINIBATCH, ITERATION = ADAPT_EACH = ("minibatch", "iteration")
 PRECISIONS = ("float32", "bfloat16", "tf32")
 
 Units = Annotated[int, Within(1, 16384, "units of a layer; two such layers take 4 GiB with Adam's moments")]
@@ -77,6 +78,7 @@ class PPOConfig:
     min_learning_rate: Rate = MISSING  # actor, floor of the adaptive rule
     max_learning_rate: Rate = MISSING  # actor, ceiling of the adaptive rule
     adaptive: bool = MISSING  # steer the actor's rate so that the KL per iteration stays near desired_kl
+    adapt_each: str = MINIBATCH  # of ADAPT_EACH: by each minibatch's KL, or once by the mean of the last epoch's
     desired_kl: Clip = MISSING  # nats, > 0
     # Over the last `settle_fraction` of the iterations the desired KL falls geometrically from desired_kl to this, so
     # that the skills stop taking turns; null: it stays.
@@ -93,6 +95,9 @@ class PPOConfig:
             self.learning_rate,
             "choose a value within algo.ppo.min_learning_rate .. max_learning_rate "
             f"({self.min_learning_rate} .. {self.max_learning_rate})",
+        )
+        checks.require(
+            self.adapt_each in ADAPT_EACH, "algo.ppo.adapt_each", self.adapt_each, f"choose {' or '.join(ADAPT_EACH)}"
         )
         checks.require(
             self.final_desired_kl is None or self.final_desired_kl <= self.desired_kl,

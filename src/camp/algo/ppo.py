@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import torch
 from torch import Tensor, nn
 
-from camp.algo.config import PPOConfig
+from camp.algo.config import ITERATION, MINIBATCH, PPOConfig
 from camp.algo.losses import (
     clipped_surrogate_loss,
     clipped_value_loss,
@@ -133,10 +133,15 @@ class PPO:
         averages = Averages()
         actor_batch = self._actor_batch(rollout, advantage)
         critic_batch = self._critic_batch(rollout, return_, averages)
+        adaptive, each = self.config.adaptive, self.config.adapt_each
+        kls: list[Tensor] = []  # () of each minibatch, before its step
         for i, index in enumerate(self._indices(return_, generator)):
             # Before the first step new and old policy are the same: a KL of 0 says nothing about the rate.
-            self._actor_step(_take(actor_batch, index), averages, adapt=self.config.adaptive and i > 0)
+            adapt = adaptive and each == MINIBATCH and i > 0
+            kls.append(self._actor_step(_take(actor_batch, index), averages, adapt))
             self._critic_step(_take(critic_batch, index), averages)
+        if adaptive and each == ITERATION:
+            self._adapt(torch.stack(kls[-self.config.minibatches :]).mean())
         self._observe(rollout, averages)
         if self.config.update_normalizer:
             self.actor.normalizer.update(rollout.observation)
@@ -188,12 +193,13 @@ class PPO:
             return_=return_.flatten(),
         )
 
-    def _actor_step(self, batch: _ActorBatch, averages: Averages, adapt: bool) -> None:
+    def _actor_step(self, batch: _ActorBatch, averages: Averages, adapt: bool) -> Tensor:
+        """One step of the policy; returns the KL before it, ()."""
         mean = self.actor(batch.observation)
         std = self.actor.std
         kl = gaussian_kl(batch.action_mean, batch.action_std, mean.detach(), std.detach()).mean()
         if adapt:
-            self._adapt(distributed.average(kl).item())
+            self._adapt(kl)
         log_prob = gaussian_log_prob(batch.action, mean, std)
         surrogate = clipped_surrogate_loss(log_prob, batch.log_prob, batch.advantage, self.config.clip_param)
         entropy = gaussian_entropy(std)
@@ -208,6 +214,7 @@ class PPO:
         averages.add("ppo/clip_fraction", clipped)
         averages.add("ppo/std", std)
         averages.add("ppo/grad_norm/actor", norm)
+        return kl
 
     def _critic_step(self, batch: _CriticBatch, averages: Averages) -> None:
         value = self.critic(batch.observation, batch.privileged)
@@ -223,7 +230,9 @@ class PPO:
         optimizer.step()
         return norm
 
-    def _adapt(self, kl: float) -> None:
+    def _adapt(self, own: Tensor) -> None:
+        """Move the rate by this rank's KL, ()."""
+        kl = distributed.average(own).item()
         if kl > 2.0 * self.desired_kl:
             self.set_learning_rate(self.learning_rate / RATE_FACTOR)
         elif kl < 0.5 * self.desired_kl:
