@@ -23,8 +23,10 @@ from camp.cli.key_values import key_values, run_command
 from camp.common.errors import ConfigError
 from camp.common.files import whole_file
 from camp.common.progress import track
-from camp.deploy import FOOT_NAMES, Policy, Robot, observe
 from camp.deployment.export import export_policy
+from camp.deployment.loop import Memory, Policy
+from camp.deployment.simulated import Robot
+from camp.robots.quadruped import FOOT_NAMES
 from camp.runs.folder import FIGURES, results_folder
 from camp.sim.rendering import RobotRenderer
 
@@ -57,15 +59,11 @@ def one_per_gait(skills: Sequence[str]) -> list[str]:
 
 def demonstrate(policy: Policy, robot: Robot, skills: Sequence[str]) -> Demonstration:
     """Walk from where ``robot`` stands, SKILL_S with each of ``skills``. Raises AnalysisError where the robot falls."""
-    metadata = policy.metadata
-    period, command = metadata["control_period"], np.array(COMMAND, np.float32)
-    pose, scale = np.array(metadata["default_pose"], np.float32), np.float32(metadata["action_scale"])
+    period, memory = policy.metadata["control_period"], Memory(policy)
     commanded = [skill for skill in skills for _ in range(round(SKILL_S / period))]
-    last_action, rows = np.zeros_like(pose), []
+    rows = []
     for step, skill in enumerate(commanded):
-        target = policy.joint_target(observe(policy, robot, command, policy.one_hot(skill), last_action))
-        robot.hold(target)
-        last_action = (target - pose) / scale
+        robot.hold(memory.target(robot, skill, COMMAND))
         rows.append((robot.data.qpos.copy(), [robot.touches(foot) for foot in FOOT_NAMES]))
         if robot.fallen:
             raise AnalysisError(f"the robot fell after {step * period:.2f} s as {skill}: train the run further")

@@ -109,17 +109,38 @@ def observe(policy: Policy, body: Readings, command: Array, skill: Array, last_a
     return np.concatenate([entries[entry["name"]] for entry in policy.metadata["observation"]], dtype=np.float32)
 
 
+class Memory:
+    """What the loop keeps of a policy from one control step to the next: the last action."""
+
+    def __init__(self, policy: Policy):
+        self._policy = policy
+        self._pose = np.array(policy.metadata["default_pose"], np.float32)
+        self._scale = np.float32(policy.metadata["action_scale"])
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget the last action: the robot stands in the default pose."""
+        self._last_action = np.zeros_like(self._pose)
+
+    def target(self, body: Readings, skill: str, command: Sequence[float]) -> Array:
+        """The next joint target, (12,) rad.
+
+        command: vx, vy in m/s, yaw rate in rad/s. Raises CampError for a skill that the policy does not know, and for
+        an answer that is not finite.
+        """
+        wanted, one_hot = np.array(command, np.float32), self._policy.one_hot(skill)
+        target = self._policy.joint_target(observe(self._policy, body, wanted, one_hot, self._last_action))
+        self._last_action = (target - self._pose) / self._scale
+        return target
+
+
 def control(policy: Policy, body: Body, skill: str, command: Sequence[float]) -> Iterator[Array]:
     """The control loop, without an end: each joint target (12,) in rad, after the robot has held it.
 
-    command: vx, vy in m/s, yaw rate in rad/s. Raises CampError for a skill that the policy does not know, and for an
-    answer that is not finite.
+    command: vx, vy in m/s, yaw rate in rad/s. Raises CampError as `Memory.target` does.
     """
-    pose, scale = np.array(policy.metadata["default_pose"], np.float32), np.float32(policy.metadata["action_scale"])
-    one_hot, wanted = policy.one_hot(skill), np.array(command, np.float32)
-    last_action = np.zeros_like(pose)
+    memory = Memory(policy)
     while True:
-        target = policy.joint_target(observe(policy, body, wanted, one_hot, last_action))
+        target = memory.target(body, skill, command)
         body.hold(target)
-        last_action = (target - pose) / scale
         yield target
