@@ -20,7 +20,7 @@ export MUJOCO_GL ?= $(if $(shell ldconfig -p 2>/dev/null | grep -F libEGL.so),eg
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo web web-serve web-check test lint check train evaluate leaderboard transfer figures ablations dataset bench clean
+.PHONY: help setup demo web web-serve web-check play test lint check train evaluate leaderboard transfer figures ablations dataset bench clean
 .NOTPARALLEL:
 
 help: ## list the targets
@@ -63,6 +63,9 @@ web-serve: ## serve web/dist at http://localhost:8000 (PORT=8000)
 
 web-check: web ## try the web page in headless Chromium, screenshots in outputs/web (minutes)
 	npm --prefix web run --silent check
+
+play: setup ## play with RUN (default: the latest run, or else POLICY) in the browser (PORT=8000)
+	"$(BIN)/python" -m camp.play run="$(if $(wildcard $(RUN)),$(RUN),$(POLICY))" port="$(PORT)" $(ARGS)
 
 test: setup ## run all tests, a file at a time on each of up to four processors
 	@if command -v npm >/dev/null; then $(MAKE) --no-print-directory $(NPM) || \

@@ -160,10 +160,10 @@ def test_commands_of_the_robots_interface_are_understood(command):
     assert {"camp.go2": go2, "camp.go2_sim": go2_sim}[module]._parser().parse_args(arguments)
 
 
-@pytest.mark.parametrize("command", shown(r"python -m (camp\.(export|ship|replay|transfer)|analysis)"))
+@pytest.mark.parametrize("command", shown(r"python -m (camp\.(export|play|ship|replay|transfer)|analysis)"))
 def test_keys_of_small_commands_are_in_their_usage(command):
     module, *arguments = shlex.split(command)[2:]
-    spec = find_spec(f"{module}.__main__" if module in ("analysis", "camp.transfer") else module)
+    spec = find_spec(f"{module}.__main__" if module in ("analysis", "camp.play", "camp.transfer") else module)
     assert spec is not None and spec.origin is not None
     usage = Path(spec.origin).read_text(encoding="utf-8").split('"""')[1]
     for key in (argument.partition("=")[0] for argument in arguments if "=" in argument):

@@ -27,7 +27,7 @@ LAYERS = (
     ("lowlevel",),
     (
         *("train", "evaluate", "export", "deploy", "dataset", "ship", "bench", "judge", "leaderboard", "replay"),
-        *("transfer", "go2", "go2_sim"),
+        *("transfer", "go2", "go2_sim", "play"),
     ),
 )
 # Modules beside the packages that nobody needs to import: the commands, and Gymnasium's entry point.

@@ -6,9 +6,8 @@
  * machine only takes longer.
  */
 import assert from 'node:assert/strict';
-import { execFileSync } from 'node:child_process';
 import { existsSync, mkdirSync } from 'node:fs';
-import { chromium } from 'playwright-core';
+import { launch } from './browser.js';
 import { serve } from './server.js';
 
 const DIST = new URL('../dist', import.meta.url).pathname;
@@ -21,18 +20,6 @@ const SIZES = {
   desktop: { viewport: { width: 1280, height: 720 } },
   phone: { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true },
 };
-
-function findChromium() {
-  const names = [process.env.CHROMIUM, 'chromium', 'chromium-browser', 'google-chrome'].filter(Boolean);
-  for (const name of names) {
-    try {
-      return execFileSync('which', [name], { stdio: ['ignore', 'pipe', 'ignore'] }).toString().trim();
-    } catch {
-      continue;
-    }
-  }
-  throw new Error(`no browser: install chromium or set CHROMIUM=<path> (looked for ${names.join(', ')})`);
-}
 
 /** One page with its waits. All that is read of it is what a person sees. */
 class Visit {
@@ -162,10 +149,7 @@ async function main() {
   if (!existsSync(DIST)) throw new Error('web/dist is not there: run `make web` first');
   mkdirSync(SHOTS, { recursive: true });
   const server = await serve(DIST, 'camp');
-  const browser = await chromium.launch({
-    executablePath: findChromium(),
-    args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'], // as root, without a GPU
-  });
+  const browser = await launch();
   try {
     const visit = await Visit.open(browser, server.url, { viewport: SMALL });
     const skills = await tryGaits(visit);
