@@ -66,6 +66,7 @@ def test_pushes_change_the_velocity_at_once_from_the_right_and_the_left_in_turn(
         assert np.hypot(*direction) == pytest.approx(1.0)
         assert sideways(session) - before == pytest.approx(side * PUSH_M_S, abs=0.01)  # the trunk tilts a little
         walk(session, 0.2)
+        assert session.pushes == (1 if side > 0 else 2)
         assert [moment.pushed for moment in session.moments][-10:] == [True] + [False] * 9
 
 
@@ -78,7 +79,7 @@ def test_reset_begins_the_same_walk_anew(session):
     session.tick()  # so that it is in the middle of a control step
     session.push()
     session.reset()
-    assert (session.robot.data.qpos == start).all() and not session.moments
+    assert (session.robot.data.qpos == start).all() and not session.moments and session.pushes == 0
     assert (session.skill, session.command) == ("trot_3hz", list(WALK))
     walk(session, 0.5)
     assert (session.robot.data.qpos == first).all()

@@ -72,8 +72,8 @@ async function main() {
     await visit.until('vx', '(value) => Number(value) < 0.45');
     console.log('the arrow keys slow it down');
     await visit.key('p');
-    await visit.page.waitForSelector('svg [data-push]', { state: 'attached' });
-    console.log('a push is marked in the diagram');
+    await visit.until('pushes', '(value) => Number(value) === 1');
+    console.log('it is pushed');
     await visit.key('Space');
     await visit.until('state', "(value) => value === 'paused'");
     await visit.page.locator('.mantine-Notification-closeButton').first().dispatchEvent('click'); // of slow graphics

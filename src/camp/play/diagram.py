@@ -95,7 +95,7 @@ def _gaits(lane: int, first: int, steps: int, rows: Sequence[tuple[str, str]]) -
 
 def _push(column: int, steps: int) -> str:
     height = _top(2 + len(FOOT_NAMES))
-    return f'<rect data-push="1" x="{_x(column, steps):.1f}" y="0" width="3" height="{height}" fill="{PUSH_COLOUR}"/>'
+    return f'<rect x="{_x(column, steps):.1f}" y="0" width="3" height="{height}" fill="{PUSH_COLOUR}"/>'
 
 
 def _tick(ago: int) -> str:

@@ -12,7 +12,7 @@ FALLEN = "The robot fell. Reset (R) stands it up."
 
 
 def readout(session: Session, clock: Clock) -> str:
-    """A <div> for the panel. What a program reads is in data-skill, data-frequency, data-vx and data-state."""
+    """A <div> for the panel. What a program reads is in its data attributes."""
     measured = session.measured
     frequency = number(measured.frequency_hz)
     state = "paused" if clock.paused else "fallen" if session.fallen else "walking"
@@ -24,7 +24,8 @@ def readout(session: Session, clock: Clock) -> str:
     )
     return (
         f'<div id="readout" data-skill="{measured.skill}" data-frequency="{frequency}" data-vx="{velocity[0]}" '
-        f'data-state="{state}" style="padding: 0 0.5em; font-size: 0.9em; font-variant-numeric: tabular-nums">'
+        f'data-state="{state}" data-pushes="{session.pushes}" '
+        f'style="padding: 0 0.5em; font-size: 0.9em; font-variant-numeric: tabular-nums">'
         f"<div><b>{_gait(measured.gait)}</b> {_verdict(session)}"
         f'<span style="float: right">{frequency} strides/s</span></div>'
         f'<table style="width: 100%; text-align: right"><tr style="color: {FAINT}"><th></th>{heads}</tr>{rows}</table>'

@@ -73,6 +73,7 @@ class Session:
         direction = math.cos(angle), math.sin(angle)
         self.robot.push(*(self._push_m_s * part for part in direction))
         self._side, self._pushed = -self._side, True
+        self.pushes += 1
         return direction
 
     def reset(self) -> None:
@@ -82,7 +83,7 @@ class Session:
         self.moments.clear()
         self._substep, self._steps = 0, 0
         self.fallen, self._pushed = False, False
-        self.measured = Measured()
+        self.measured, self.pushes = Measured(), 0  # pushes: since the start
 
     def tick(self) -> None:
         """Let one physics timestep pass; the policy is asked at the first of each control period.
