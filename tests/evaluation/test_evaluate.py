@@ -138,10 +138,14 @@ def test_a_video_that_cannot_be_written_leaves_the_others(tmp_path, monkeypatch,
             raise OSError("No space left on device")
         path.write_bytes(b"mp4")
 
-    recording = SimpleNamespace(qpos=np.zeros((2, 4, 19)), period_s=0.02)
+    seen = {"velocity": np.zeros((2, 4, 3)), "step_contact": np.zeros((2, 4, 4), bool), "qpos": np.zeros((2, 4, 19))}
+    skill = np.array([[0] * 4, [1] * 4])
+    recording = SimpleNamespace(period_s=0.02, skill=skill, command=np.zeros((2, 3)), **seen)
     judgement: Any = SimpleNamespace(grid=recording, switching=None)
-    evaluation: Any = SimpleNamespace(video_skills=True, video_s=0.08, video_command=0, commands=[[0.5, 0, 0]])
-    monkeypatch.setattr(films, "RobotRenderer", lambda _: SimpleNamespace(frame=None, close=lambda: None))
+    evaluation: Any = SimpleNamespace(
+        video_skills=True, video_high=False, video_s=0.08, video_command=0, commands=[[0.5, 0, 0]]
+    )
+    monkeypatch.setattr(films, "RobotRenderer", lambda *_: SimpleNamespace(frame=None, close=lambda: None))
     monkeypatch.setattr(films, "write_video", write)
     assert films.film(judgement, ["trot", "pace"], evaluation, tmp_path) == {"pace": tmp_path / "pace.mp4"}
     assert capsys.readouterr().err == f"no video {tmp_path / 'trot.mp4'}: No space left on device\n"

@@ -184,6 +184,7 @@ class EvaluationConfig(SuiteConfig):
     targets: TargetsConfig = field(default_factory=TargetsConfig)
     threads: Threads = MISSING  # of the simulation, 0 for one per processor
     video: bool = MISSING  # an mp4 of the first switching sequence
+    video_high: bool = MISSING  # 1280 x 720 pixels, 50 pictures per second, smooth edges
     video_skills: bool = MISSING  # beside it one of each skill
     video_command: Index = MISSING  # index into commands
     video_s: WalkSeconds = MISSING

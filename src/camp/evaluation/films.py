@@ -3,17 +3,34 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
 
 from camp.common.errors import CampError
 from camp.common.progress import track
+from camp.evaluation.captions import Take, caption
 from camp.evaluation.config import EvaluationConfig
 from camp.evaluation.evaluator import Judgement
+from camp.evaluation.recording import Recording
 from camp.evaluation.robot import ROBOT
 from camp.sim.rendering import RobotRenderer, write_video
 
-STEPS_PER_FRAME = 2  # 25 frames per second
+
+@dataclass(frozen=True)
+class Quality:
+    """Of a film's pictures. width, height: pixels; steps: control steps from one picture to the next."""
+
+    width: int
+    height: int
+    steps: int
+    smooth: bool
+
+
+USUAL = Quality(640, 480, 2, smooth=False)  # 25 pictures per second
+HIGH = Quality(1280, 720, 1, smooth=True)  # 50 pictures per second
 
 
 def film(judgement: Judgement, skills: Sequence[str], evaluation: EvaluationConfig, folder: Path) -> dict[str, Path]:
@@ -21,8 +38,9 @@ def film(judgement: Judgement, skills: Sequence[str], evaluation: EvaluationConf
 
     Without OpenGL none, and those that cannot be written are left out: a line on stderr says so.
     """
+    quality = HIGH if evaluation.video_high else USUAL
     try:
-        renderer = RobotRenderer(ROBOT.load_model())
+        renderer = RobotRenderer(ROBOT.load_model(), quality.width, quality.height, quality.smooth)
     except CampError as error:
         print(f"no videos: {error}", file=sys.stderr)
         return {}
@@ -30,15 +48,15 @@ def film(judgement: Judgement, skills: Sequence[str], evaluation: EvaluationConf
     if grid is not None and evaluation.video_skills:
         steps = round(evaluation.video_s / grid.period_s)
         rows = {name: k * len(evaluation.commands) + evaluation.video_command for k, name in enumerate(skills)}
-        films = {name: (grid.qpos[row, :steps], grid.period_s) for name, row in rows.items()}
+        films = {name: take_of(grid, row, skills).until(steps) for name, row in rows.items()}
     if switching is not None:
-        films["switching"] = (switching.qpos[0], switching.period_s)
+        films["switching"] = take_of(switching, 0, skills)
     written = {}
-    for name, (poses, period_s) in films.items():
+    for name, take in films.items():
         path = folder / f"{name}.mp4"
-        frames = map(renderer.frame, track(poses[::STEPS_PER_FRAME], f"filming {name}, pictures"))
         try:
-            write_video(path, frames, 1.0 / (STEPS_PER_FRAME * period_s))
+            frames = pictures(renderer, take, quality.steps, f"filming {name}, pictures")
+            write_video(path, frames, 1.0 / (quality.steps * take.period_s))
         except (OSError, RuntimeError) as error:  # imageio reports a missing ffmpeg as RuntimeError
             print(f"no video {path}: {' '.join(str(error).split())}", file=sys.stderr)
             continue
@@ -46,3 +64,16 @@ def film(judgement: Judgement, skills: Sequence[str], evaluation: EvaluationConf
         written[name] = path
     renderer.close()
     return written
+
+
+def take_of(recording: Recording, robot: int, skills: Sequence[str]) -> Take:
+    """What one of the robots did. skills: names of the labels."""
+    names = [skills[int(label)] for label in recording.skill[robot]]
+    seen = (recording.velocity[robot], recording.step_contact[robot], recording.qpos[robot])
+    return Take(recording.period_s, names, recording.command[robot], *seen)
+
+
+def pictures(renderer: RobotRenderer, take: Take, every: int, what: str) -> Iterator[np.ndarray]:
+    """Frames (height, width, 3) uint8 with captions, one for every ``every`` control steps. what: for the progress."""
+    for step in track(range(0, len(take.skill), every), what):
+        yield caption(renderer.frame(take.qpos[step]), take, step)
