@@ -1,4 +1,4 @@
-"""`python -m analysis [run=<folder>] [only=<figure>,...] [wandb=true]`: draw all figures of a run.
+"""`python -m analysis [run=<folder>] [only=<figure>,...] [wandb=<true or false>]`: draw all figures of a run.
 
 Each is a PDF and a PNG in <folder>/figures. Those of a shipped policy go into outputs/<its name>/figures. Without `run`
 the newest evaluated run below outputs/ is taken. What lacks its input is left out, and a line says which command makes

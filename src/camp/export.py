@@ -1,4 +1,5 @@
-"""A run's policy as ONNX: ``python -m camp.export run=<run folder or shipped policy> [output=<folder>]``.
+"""A run's policy as ONNX: ``python -m camp.export run=<run folder or shipped policy> [output=<folder>]
+[controller=<camp or unitree>]``.
 
 Writes policy.onnx and policy.json; see docs/deployment.md. By default they go into the run folder, those of a
 shipped policy into outputs/<its name>/. ``controller=unitree`` writes unitree/<skill>/ for each skill instead, as
