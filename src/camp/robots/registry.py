@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from camp.common.errors import ConfigError
+from camp.robots.a1 import A1
 from camp.robots.go2 import GO2
 from camp.robots.robot import Robot
 
-ROBOTS: dict[str, Robot] = {robot.name: robot for robot in (GO2,)}
+ROBOTS: dict[str, Robot] = {robot.name: robot for robot in (GO2, A1)}
 DEFAULT_ROBOT = GO2.name  # of run folders and exported policies that were written before robots had names
 
 
