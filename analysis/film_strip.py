@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from analysis.contacts import spans
 from analysis.style import PAGE, new_figure, skill_colours, style
 from camp.evaluation.recording import Recording
-from camp.evaluation.robot import ROBOT
 from camp.gaits.skills import split_name
+from camp.robots.robot import Robot
 from camp.sim.rendering import RobotRenderer
 
 FRAMES = 3  # of each skill, evenly over two thirds of a stride
@@ -32,9 +32,9 @@ class Frame:
     image: NDArray[np.uint8]
 
 
-def compute_strip(recording: Recording, skills: Sequence[str]) -> list[Frame]:
-    """FRAMES pictures of each skill of the first robot. Raises CampError without off-screen OpenGL."""
-    renderer = RobotRenderer(ROBOT.load_model(), *SIZE)
+def compute_strip(robot: Robot, recording: Recording, skills: Sequence[str]) -> list[Frame]:
+    """FRAMES pictures of each skill of the recording's first robot. Raises CampError without off-screen OpenGL."""
+    renderer = RobotRenderer(robot.load_model(), *SIZE)
     frames = []
     try:
         for span in spans([skills[int(label)] for label in recording.skill[0]], recording.period_s):

@@ -34,6 +34,7 @@ from analysis.training import compute_curves, draw_curves
 from camp.build import Run, load_run
 from camp.evaluation.recording import Recording
 from camp.evaluation.report import Report
+from camp.robots.registry import find_robot
 
 SEED = 0
 
@@ -100,6 +101,11 @@ def _incentive_margins(sources: Sources) -> Figure:
     return draw_margins(read_incentives(sources.results / INCENTIVE.name)[1])
 
 
+def _film_strip(sources: Sources) -> Figure:
+    robot = find_robot(sources.run.config.robot.name)
+    return draw_strip(compute_strip(robot, sources.sequence, sources.run.skills))
+
+
 def _joints(sources: Sources) -> Figure:
     traces = compute_joints(sources.sequence, sources.run.skills, sources.run.clips)
     return draw_joints(traces, sources.report.reference)
@@ -110,7 +116,7 @@ FIGURES: dict[str, Callable[[Sources], Figure]] = {  # by name; the paper's numb
     "training": lambda sources: draw_curves(compute_curves(load.learning_curve(sources.folder))),
     "confusion": lambda sources: draw_confusion(sources.report),
     "robustness": lambda sources: draw_robustness(sources.report),
-    "film_strip": lambda sources: draw_strip(compute_strip(sources.sequence, sources.run.skills)),  # Fig. 2
+    "film_strip": _film_strip,  # Fig. 2
     "contacts": lambda sources: draw_diagram(diagram_of(sources.sequence, sources.run.skills)),  # Fig. 6
     "joints": _joints,  # Fig. 5
     "clusters": _clusters,  # Fig. 3

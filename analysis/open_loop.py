@@ -21,9 +21,9 @@ from analysis.load import AnalysisError
 from camp.cli.key_values import run_command
 from camp.common.files import make_folder, whole_file, write_text
 from camp.evaluation.contract import CommandRange, Contract, Output, Term
-from camp.evaluation.robot import ROBOT
 from camp.gaits.schedule import GAIT_PHASES
 from camp.gaits.skills import Skill, skill_set
+from camp.robots.go2 import GO2
 from camp.robots.quadruped import JOINT_NAMES, NUM_LEGS
 
 SKILLS = skill_set(tuple(GAIT_PHASES), "gait_frequency", (2.0, 3.0))
@@ -37,13 +37,13 @@ def contract() -> Contract:
     return Contract(
         contract=1,
         name="open_loop",
-        robot="go2",
+        robot=GO2.name,
         control_period_s=0.02,
         joint_names=list(JOINT_NAMES),
-        default_pose=list(ROBOT.default_joint_position),
-        kp=list(ROBOT.pd_gain_p),
-        kd=list(ROBOT.pd_gain_d),
-        output=Output(scale=1.0, offset=list(ROBOT.default_joint_position)),
+        default_pose=list(GO2.default_joint_position),
+        kp=list(GO2.pd_gain_p),
+        kd=list(GO2.pd_gain_d),
+        output=Output(scale=1.0, offset=list(GO2.default_joint_position)),
         observation=[Term("phase"), Term("command"), Term("skill")],
         skills={skill.name: _encoding(skill) for skill in SKILLS},
         command_range=CommandRange((-0.4, 0.9), (-0.25, 0.25), (-0.6, 0.6)),

@@ -97,15 +97,15 @@ def _walk(run: Run, folder: Path) -> Recording:
     subject, evaluation = subject_of_run(run, folder, "walks", baselines=False), compose_evaluation()
     num = len(run.skills) * len(COMMANDS)
     label = torch.arange(len(run.skills)).repeat_interleave(len(COMMANDS))
+    robot = find_robot(run.config.robot.name)
     plan = Plan(
         "walks",
         label[:, None].repeat(1, round(sum(WALK_S) / CONTROL_S)),
         torch.tensor(COMMANDS).repeat(len(run.skills), 1),
-        standing_starts(num, ONE_SIZE, torch.Generator().manual_seed(0)),
+        standing_starts(robot, num, ONE_SIZE, torch.Generator().manual_seed(0)),
         Dynamics.nominal(num, evaluation.randomization.nominal_friction, torch.device("cpu")),
         Disturbances.of(num),
     )
-    robot = find_robot(run.config.robot.name)
     setting = Setting(CONTROL_S, robot, evaluation.noise, evaluation.push_period_s, seed=0)
     return record(roll_out([(plan, subject.controller())], setting)[0])
 

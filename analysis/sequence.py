@@ -41,15 +41,15 @@ def roll_sequence(run: Run, folder: Path) -> Recording:
     order = one_skill_of_each_gait(run.skills)
     labels = torch.tensor([run.skills.index(skill) for skill in order])
     source = torch.Generator().manual_seed(0)
+    robot = find_robot(run.config.robot.name)
     plan = Plan(
         "sequence",
         labels.repeat_interleave(round(SKILL_S / period))[None],
         torch.tensor([COMMAND]),
-        standing_starts(1, ONE_SIZE, source),
+        standing_starts(robot, 1, ONE_SIZE, source),
         Dynamics.nominal(1, evaluation.randomization.nominal_friction, torch.device("cpu")),
         Disturbances.of(1),
     )
-    robot = find_robot(run.config.robot.name)
     setting = Setting(period, robot, evaluation.noise, evaluation.push_period_s, seed=0, threads=1)
     (trace,) = roll_out([(plan, contract.controller())], setting)
     return record(trace)

@@ -54,7 +54,7 @@ def evaluated(run: Path, seconds: float) -> Recording:
     contract = contract_of_run("run", loaded.config)
     wanted = evaluation("duration_s=5", f"commands={COMMANDS}", "video_command=0")
     references = ReferenceStates(loaded.clips, contract.skill_set)
-    plan = Planner(wanted, contract.skill_set, contract.control_period_s, None, references).grid()
+    plan = Planner(wanted, robot_of(contract), contract.skill_set, contract.control_period_s, None, references).grid()
     plan.skill = plan.skill[:, : round(seconds / contract.control_period_s)]
     setting = Setting(contract.control_period_s, robot_of(contract), wanted.noise, 1.0, seed=0, threads=1)
     (trace,) = roll_out([(plan, NetworkController(contract, loaded.actor))], setting)

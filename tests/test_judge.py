@@ -22,6 +22,7 @@ from camp.evaluation.contract import Term, read_contract
 from camp.evaluation.expert import judge_expert
 from camp.evaluation.policies import OnnxAnswer
 from camp.evaluation.report import read_report
+from camp.robots.go2 import GO2
 from tests.errors import assert_one_line
 from tests.small_run import small_run
 
@@ -182,7 +183,7 @@ def test_the_judge_is_right_about_motions_whose_answer_is_known(monkeypatch):
 
 
 def test_the_experts_clips_are_right():
-    found = judge_expert()
+    found = judge_expert(GO2)
     assert found.policies["trained"].all.gait_accuracy.value == 1.0
     assert found.reference["all"].policy["thigh"].accuracy > 0.97
     assert found.suite.name == "clips"

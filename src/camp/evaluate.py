@@ -16,9 +16,10 @@ from camp.common.progress import track
 from camp.evaluation.config import resolve_evaluation
 from camp.evaluation.evaluator import Evaluator
 from camp.evaluation.films import film
-from camp.evaluation.output import expert_motions, print_report, write_judgement
+from camp.evaluation.output import motions_beside, print_report, write_judgement
 from camp.evaluation.record import log_evaluation
 from camp.evaluation.subjects import subject_of_run
+from camp.robots.registry import find_robot
 from camp.runs.folder import ARRAYS, REPORT, VIDEOS, results_folder
 
 
@@ -30,11 +31,12 @@ def evaluate(composed: DictConfig) -> Path:
     if evaluation.video:
         make_folder(folder / VIDEOS)
     subject = subject_of_run(run, Path(evaluation.run), folder.resolve().name, evaluation.baselines)
-    judgement = Evaluator(evaluation, expert_motions(), track).judge(subject)
+    robot = find_robot(run.config.robot.name)
+    judgement = Evaluator(evaluation, motions_beside(run), track).judge(subject)
     write_judgement(folder, judgement)
     print_report(judgement.report, folder / REPORT)
     print(f"wrote {folder / REPORT} and {folder / ARRAYS}", flush=True)
-    videos = film(judgement, run.skills, evaluation, folder / VIDEOS) if evaluation.video else {}
+    videos = film(robot, judgement, run.skills, evaluation, folder / VIDEOS) if evaluation.video else {}
     log_evaluation(run, folder, judgement.report, videos)
     return folder
 

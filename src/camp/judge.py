@@ -2,9 +2,10 @@
 
 policy=<file.onnx> contract=<file.json>  a policy behind its contract (without one: what camp.export wrote)
 run=<run folder>                         a run of camp.train, or a shipped policy
+                                         [robot=a1] another robot than it was trained for
 contacts=<log.csv or .npz>               four contacts against time, of any robot or simulator
                                          [skill=trot_3hz] [threshold_n=<N>] [discard_s=<s>]
-expert                                   the shipped expert's clips
+expert                                   the shipped expert's clips [robot=a1]
 labelled                                 the judge itself, on motions whose right answer is known
 report=<file.json>                       all tables of a report that was written before, such as <run folder>/eval.json
 
@@ -30,14 +31,16 @@ from camp.evaluation.cells import fitted, table_console
 from camp.evaluation.composing import compose_evaluation
 from camp.evaluation.contact_log import read_log
 from camp.evaluation.contact_report import contact_json, contact_tables, judge_log
-from camp.evaluation.contract import read_contract
+from camp.evaluation.contract import contract_on, read_contract
 from camp.evaluation.evaluator import Evaluator, Subject
 from camp.evaluation.expert import judge_expert
 from camp.evaluation.labelled import answers_table, labelled_answers
-from camp.evaluation.output import expert_motions, print_report
+from camp.evaluation.output import expert_motions, motions_beside, print_report
 from camp.evaluation.policies import OnnxAnswer
 from camp.evaluation.report import read_report, write_report
 from camp.evaluation.subjects import subject_of_onnx, subject_of_run
+from camp.motion.clips.clip import Clip
+from camp.robots.registry import DEFAULT_ROBOT, find_robot
 
 OUTPUT = Path("outputs") / "judge"
 KINDS = ("policy", "run", "contacts", "report")
@@ -51,8 +54,8 @@ def judge(arguments: Sequence[str]) -> None:
         _print(answers_table(answers))
         return
     if "expert" in arguments:
-        given = key_values([a for a in arguments if a != "expert"], required=[], optional=["output"])
-        report = judge_expert()
+        given = key_values([a for a in arguments if a != "expert"], required=[], optional=["robot", "output"])
+        report = judge_expert(find_robot(given.get("robot", DEFAULT_ROBOT), "robot"))
         path = _output(given) / f"{report.run}.json"
         write_report(path, report)
         print_report(report, path)
@@ -69,28 +72,35 @@ def judge(arguments: Sequence[str]) -> None:
     elif kind == "contacts":
         _judge_contacts(key_values(arguments, ["contacts"], ["skill", "threshold_n", "discard_s", "output"]))
     else:
-        optional = ["suite", "output", "threads", *(["contract"] if kind == "policy" else [])]
+        optional = ["robot", "suite", "output", "threads", *(["contract"] if kind == "policy" else [])]
         _judge_policy(kind, key_values(arguments, [kind], optional))
 
 
 def _judge_policy(kind: str, given: dict[str, str]) -> None:
     overrides = [f"suite={given.get('suite', 'full')}", f"threads={given.get('threads', 0)}"]
     evaluation, output = compose_evaluation(overrides), _output(given)
-    subject = _subject(kind, given, evaluation.baselines)
-    judgement = Evaluator(evaluation, expert_motions(), track).judge(subject)
+    subject, clips = _subject(kind, given, evaluation.baselines)
+    judgement = Evaluator(evaluation, clips, track).judge(subject)
     path = output / f"{_file_name(subject.name)}.json"
     write_report(path, judgement.report)
     print_report(judgement.report, path)
     print(f"wrote {path}")
 
 
-def _subject(kind: str, given: dict[str, str], baselines: bool) -> Subject:
-    path = Path(given[kind])
+def _subject(kind: str, given: dict[str, str], baselines: bool) -> tuple[Subject, list[Clip]]:
+    """Who is judged, and the expert's clips beside it."""
+    path, robot = Path(given[kind]), given.get("robot")
+    if robot is not None:
+        find_robot(robot, "robot")
     if kind == "run":
-        return subject_of_run(load_run(path), path, path.resolve().name, baselines)
+        run = load_run(path)
+        subject = subject_of_run(run, path, path.resolve().name, baselines, robot)
+        return subject, motions_beside(run) if robot is None else expert_motions(find_robot(robot))
     answer = OnnxAnswer(path)
     contract = read_contract(Path(given["contract"])) if "contract" in given else contract_inside(answer)
-    return subject_of_onnx(answer, contract, baselines)
+    if robot is not None:
+        contract = contract_on(contract, robot)
+    return subject_of_onnx(answer, contract, baselines), expert_motions(find_robot(contract.robot))
 
 
 def _judge_contacts(given: dict[str, str]) -> None:

@@ -20,6 +20,7 @@ from camp.config.compose import compose_config
 from camp.evaluation.expert import recording_of
 from camp.metrics.reference import PHASES, mean_stride
 from camp.motion.clips.store import load_clip
+from camp.robots.go2 import GO2
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +58,7 @@ def test_a_shifted_stride_is_fitted_again():
 
 def test_the_experts_own_clip_lies_on_its_mean_stride(clip, report):
     skills = ("trot_2hz", "trot_3hz")
-    recording = recording_of([clip])
+    recording = recording_of(GO2, [clip])
     recording = replace(recording, skill=np.full_like(recording.skill, 1))
     traces = compute_joints(recording, skills, [clip])
     fitted = np.isfinite(traces.expert).all(axis=1)

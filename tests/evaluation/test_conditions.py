@@ -34,7 +34,7 @@ def plan(name: str = "test", num: int = 1, steps: int = 40, delay_s: float = 0.0
         name,
         torch.zeros(num, steps, dtype=torch.int64),
         torch.zeros(num, 3),
-        standing_starts(num, (1.0, 1.0), generator(0, "starts")),
+        standing_starts(GO2, num, (1.0, 1.0), generator(0, "starts")),
         replace(dynamics, delay=dynamics.delay + delay_s),
         Disturbances.of(num, **disturbances),
     )

@@ -140,7 +140,7 @@ def test_the_phase_runs_at_the_skills_own_frequency():
 
 def test_baselines_know_nothing():
     pose = torch.tensor(GO2.default_joint_position).expand(2, -1)
-    standing, sine = Standing(), OpenLoopSine([Skill("trot", 2.0), Skill("pronk", 3.0)])
+    standing, sine = Standing(GO2), OpenLoopSine(GO2, [Skill("trot", 2.0), Skill("pronk", 3.0)])
     for controller in (standing, sine):
         controller.start(pose)
     torch.testing.assert_close(standing(sight()), pose)
@@ -152,7 +152,7 @@ def test_baselines_know_nothing():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"robot": "a1"}, "robot: Input should be 'go2'"),
+        ({"robot": "spot"}, "robot = 'spot': choose one of go2, a1"),
         ({"contract": 2}, "contract: Input should be 1"),
         ({"kp": [30.0]}, "kp: give 12 finite numbers"),
         ({"joint_names": ["FL_hip"] * 12}, "joint_names: give the robot's 12 joints"),

@@ -13,6 +13,7 @@ from camp.cli.hydra_main import run_hydra
 from camp.evaluate import evaluate
 from camp.evaluation import films, record
 from camp.evaluation.report import Report, read_report
+from camp.robots.go2 import GO2
 from tests.small_run import small_run
 
 SHORT = [
@@ -147,7 +148,7 @@ def test_a_video_that_cannot_be_written_leaves_the_others(tmp_path, monkeypatch,
     )
     monkeypatch.setattr(films, "RobotRenderer", lambda *_: SimpleNamespace(frame=None, close=lambda: None))
     monkeypatch.setattr(films, "write_video", write)
-    assert films.film(judgement, ["trot", "pace"], evaluation, tmp_path) == {"pace": tmp_path / "pace.mp4"}
+    assert films.film(GO2, judgement, ["trot", "pace"], evaluation, tmp_path) == {"pace": tmp_path / "pace.mp4"}
     assert capsys.readouterr().err == f"no video {tmp_path / 'trot.mp4'}: No space left on device\n"
 
 

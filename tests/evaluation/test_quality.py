@@ -11,7 +11,7 @@ from tests.evaluation.synthetic import GAITS, SKILLS, grid
 
 
 def test_figures_by_hand():
-    quality = summarize_quality(read(grid({gait: gait for gait in GAITS}), SKILLS, 2.0))["trot"]
+    quality = summarize_quality(GO2, read(grid({gait: gait for gait in GAITS}), SKILLS, 2.0))["trot"]
     assert quality.falls_per_minute == 0.0
     assert quality.peak_torque_share == pytest.approx(10 / 23.7)  # 10 N m throughout, hips and thighs are weakest
     assert quality.torque_at_limit_share == 0.0
@@ -27,6 +27,6 @@ def test_figures_by_hand():
 def test_falls_count_by_the_time_upright():
     recording = grid({gait: gait for gait in GAITS})
     recording.steps_upright[0] = 250  # 5 s of one trot and 10 s of the other
-    quality = summarize_quality(read(recording, SKILLS, 2.0))
+    quality = summarize_quality(GO2, read(recording, SKILLS, 2.0))
     assert quality["trot"].falls_per_minute == pytest.approx(60 / 15)
     assert quality["pace"].falls_per_minute == 0.0

@@ -25,7 +25,7 @@ def references(clips):
 
 
 def planner(references, *overrides: str, allowed: CommandRange | None = None) -> Planner:
-    return Planner(evaluation(*overrides), SKILLS, 0.02, allowed, references)
+    return Planner(evaluation(*overrides), GO2, SKILLS, 0.02, allowed, references)
 
 
 @pytest.mark.parametrize(("skills", "length"), [(2, 4), (4, 4), (8, 4), (12, 5)])
@@ -54,7 +54,7 @@ def test_commands_are_as_distributed_and_the_policy_is_asked_for_nothing_beyond_
 
 def test_half_the_walks_start_in_the_stride_of_another_gait(references):
     label = torch.arange(4).repeat_interleave(200)
-    starts = walk_starts(label, SKILLS, evaluation().walks, references, generator(0, "test"))
+    starts = walk_starts(GO2, label, evaluation().walks, references, generator(0, "test"))
     pose = torch.tensor(GO2.default_joint_position)
     still = starts.initial.base_linear_velocity.norm(dim=1) == 0
     assert still.float().mean() == pytest.approx(0.5, abs=0.06)

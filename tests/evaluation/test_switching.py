@@ -10,13 +10,14 @@ import pytest
 from camp.evaluation.arrays import switching_arrays
 from camp.evaluation.switching import find_switches, summarize_switching
 from camp.gaits.skills import skill_set
+from camp.robots.go2 import GO2
 from tests.evaluation.synthetic import SKILLS, STEPS, contacts, sequences
 
 ORDERS = list(permutations(range(4)))
 
 
 def summarize(recording):
-    return summarize_switching(recording, find_switches(recording, SKILLS), SKILLS, 1.0)
+    return summarize_switching(GO2, recording, find_switches(recording, SKILLS), SKILLS, 1.0)
 
 
 def test_every_switch_of_every_order_is_found():
@@ -89,10 +90,10 @@ def test_a_change_of_frequency_alone_is_seen():
     contact = [contacts("trot", 2.0), contacts("trot", 3.0), contacts("pace", 3.0), contacts("trot", 2.0)]
     each = STEPS // 4
     made_up.contact[0] = np.concatenate([one[k * each : (k + 1) * each] for k, one in enumerate(contact)])
-    found = summarize_switching(made_up, find_switches(made_up, skills), skills, 1.0)
+    found = summarize_switching(GO2, made_up, find_switches(made_up, skills), skills, 1.0)
     assert {name: part.switches for name, part in found.by_change.items()} == {"gait": 1, "frequency": 1, "both": 1}
     assert all(part.completed.value == 1.0 for part in found.by_change.values())
     made_up = made_up.take(slice(None))
     made_up.contact[0, each : 2 * each] = contacts("trot", 2.0)[each : 2 * each]
-    found = summarize_switching(made_up, find_switches(made_up, skills), skills, 1.0)
+    found = summarize_switching(GO2, made_up, find_switches(made_up, skills), skills, 1.0)
     assert found.by_change["frequency"].completed.value == 0.0

@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -21,7 +22,12 @@ from camp.deployment.export import metadata
 from camp.deployment.metadata import read_metadata
 from camp.envs.measurement import measure
 from camp.envs.observations import position
+from camp.evaluation.composing import compose_evaluation
+from camp.evaluation.contract import contract_on
+from camp.evaluation.controllers import Standing, robot_of
 from camp.evaluation.policies import contract_of_metadata, contract_of_run
+from camp.evaluation.simulation import on_floor
+from camp.evaluation.suite import stamp
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.store import load_clips, save_clip
 from camp.motion.dataset.generate import generate_clip
@@ -160,10 +166,27 @@ def test_its_motors_have_its_limits(robot):
     assert law.torque(torch.full((1, 12), 9.0), *torch.zeros(2, 1, 12))[0].tolist() == list(robot.torque_limit)
 
 
-def test_the_suite_of_the_go2_does_not_judge_it(config):
-    for contract in (lambda: contract_of_run("x", config), lambda: contract_of_metadata("x", metadata(config))):
-        with pytest.raises(CampError, match=f"robot.* = {SECOND}: the suite judges policies of the Unitree Go2 alone"):
-            contract()
+def test_it_is_judged_on_its_own_model(robot, config):
+    for contract in (contract_of_run("x", config), contract_of_metadata("x", metadata(config))):
+        assert robot_of(contract) == robot and contract.default_pose == list(robot.default_joint_position)
+    assert stamp(compose_evaluation(), robot).name == "custom"  # whose model no suite names
+
+
+def test_the_judges_baselines_stand_in_its_pose(robot, config):
+    contract, held = contract_of_run("x", config), torch.zeros(2, 12)
+    standing = Standing(robot_of(contract))
+    standing.start(held)
+    sight: Any = None
+    torch.testing.assert_close(standing(sight)[1], torch.tensor(robot.default_joint_position))
+    torch.testing.assert_close(on_floor(robot, 2).joint_position[0], torch.tensor(robot.default_joint_position))
+
+
+def test_a_policy_can_be_judged_on_another_robot_than_its_own(robot, config):
+    other = contract_on(contract_of_run("x", config), "go2")
+    assert other.name == "x_on_go2" and robot_of(other) == replace(
+        GO2, pd_gain_p=robot.pd_gain_p, pd_gain_d=robot.pd_gain_d
+    )
+    assert other.default_pose == list(robot.default_joint_position)
 
 
 def test_an_exported_policy_names_it(robot, config):

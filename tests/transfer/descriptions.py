@@ -1,4 +1,4 @@
-"""The Go2 as the shipped policy's metadata describe it."""
+"""Robots with the gains and the pose of the shipped policy's metadata."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from typing import Any
 
 from camp.common.paths import policies_root
 from camp.robots.registry import find_robot
+from camp.robots.robot import Robot
 from camp.transfer.description import Description, describe
 
-GO2 = find_robot("go2")
+GO2, A1 = find_robot("go2"), find_robot("a1")
 
 
 @cache
@@ -20,6 +21,6 @@ def metadata() -> dict[str, Any]:
 
 
 @cache
-def description() -> Description:
+def description(robot: Robot = GO2) -> Description:
     """With its gains and pose."""
-    return describe(GO2, metadata())
+    return describe(robot, metadata())

@@ -10,17 +10,24 @@ import pytest
 
 from camp.common.errors import CampError
 from camp.robots.quadruped import FOOT_NAMES, JOINT_NAMES
+from camp.robots.robot import Robot
 from camp.transfer.description import describe, fused_model, urdf_of
-from tests.transfer.descriptions import GO2, description, metadata
+from tests.transfer.descriptions import A1, GO2, description, metadata
 
 TOLERANCE = 1e-6
 LIMITS = dict.fromkeys(JOINT_NAMES, 1.0)
+MASS = {"go2": 15.206408, "a1": 12.776}  # kg
+
+
+@pytest.fixture(scope="module", params=[GO2, A1], ids=lambda robot: robot.name)
+def robot(request) -> Robot:
+    return request.param
 
 
 @pytest.fixture(scope="module")
-def read() -> mujoco.MjModel:
+def read(robot) -> mujoco.MjModel:
     """The URDF as MuJoCo reads it, floating as the original does; shapes keep their names."""
-    root = ElementTree.fromstring(description().urdf)
+    root = ElementTree.fromstring(description(robot).urdf)
     options = ElementTree.SubElement(ElementTree.SubElement(root, "mujoco"), "compiler")
     options.attrib = {"fusestatic": "false", "discardvisual": "false", "balanceinertia": "false"}
     spec = mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"))
@@ -45,8 +52,8 @@ def mass_matrix(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
     return full[np.ix_(order, order)]
 
 
-def test_masses_and_inertias_are_the_models(read):
-    original = fused_model(GO2)
+def test_masses_and_inertias_are_the_models(robot, read):
+    original = fused_model(robot)
     assert read.nbody == original.nbody == 14
     for number in range(1, original.nbody):
         name = original.body(number).name
@@ -54,31 +61,31 @@ def test_masses_and_inertias_are_the_models(read):
             np.testing.assert_allclose(
                 getattr(read.body(name), key), getattr(original.body(name), key), rtol=0, atol=TOLERANCE
             )
-    assert read.body_subtreemass[0] == pytest.approx(GO2.load_model().body_subtreemass[0], abs=TOLERANCE)
-    assert read.body_subtreemass[0] == pytest.approx(15.206408, abs=TOLERANCE)
+    assert read.body_subtreemass[0] == pytest.approx(robot.load_model().body_subtreemass[0], abs=TOLERANCE)
+    assert read.body_subtreemass[0] == pytest.approx(MASS[robot.name], abs=TOLERANCE)
 
 
-def test_the_mass_matrix_is_the_models_in_any_pose(read):
+def test_the_mass_matrix_is_the_models_in_any_pose(robot, read):
     """Holds masses, centres, inertias, axes and offsets of all links at once."""
-    original, random = fused_model(GO2), np.random.default_rng(0)
+    original, random = fused_model(robot), np.random.default_rng(0)
     for _ in range(20):
-        joints = random.uniform(GO2.joint_lower, GO2.joint_upper)
+        joints = random.uniform(robot.joint_lower, robot.joint_upper)
         found, wanted = mass_matrix(read, posed(read, joints)), mass_matrix(original, posed(original, joints))
         np.testing.assert_allclose(found, wanted, rtol=0, atol=TOLERANCE)
 
 
-def test_the_feet_are_where_the_whole_models_feet_are(read):
-    original, random = GO2.load_model(), np.random.default_rng(1)
+def test_the_feet_are_where_the_whole_models_feet_are(robot, read):
+    original, random = robot.load_model(), np.random.default_rng(1)
     for _ in range(20):
-        joints = random.uniform(GO2.joint_lower, GO2.joint_upper)
+        joints = random.uniform(robot.joint_lower, robot.joint_upper)
         found, wanted = posed(read, joints), posed(original, joints)
         for foot in FOOT_NAMES:
             at = found.geom(f"{foot}_foot").xpos
             np.testing.assert_allclose(at, wanted.geom(f"{foot}_foot").xpos, rtol=0, atol=TOLERANCE)
 
 
-def test_joints_have_the_models_ranges_damping_and_friction(read):
-    original = GO2.load_model()
+def test_joints_have_the_models_ranges_damping_and_friction(robot, read):
+    original = robot.load_model()
     for name in JOINT_NAMES:
         found, wanted = read.joint(name), original.joint(name)
         np.testing.assert_allclose(found.range, wanted.range, rtol=0, atol=TOLERANCE)
@@ -86,20 +93,20 @@ def test_joints_have_the_models_ranges_damping_and_friction(read):
         assert found.frictionloss[0] == pytest.approx(wanted.frictionloss[0])
 
 
-def test_drake_reads_the_same_mass_matrix():
+def test_drake_reads_the_same_mass_matrix(robot):
     """A reader of URDF, and a dynamics of its own, that have nothing of MuJoCo."""
     plants = pytest.importorskip("pydrake.multibody.plant", reason="comes with the sim2sim extra")
     parsing = pytest.importorskip("pydrake.multibody.parsing")
     plant = plants.MultibodyPlant(0.0)
-    root = ElementTree.fromstring(description().urdf)
+    root = ElementTree.fromstring(description(robot).urdf)
     for dynamics in root.iter("dynamics"):
         dynamics.attrib.pop("friction")
     parsing.Parser(plant).AddModelsFromString(ElementTree.tostring(root, encoding="unicode"), "urdf")
     plant.Finalize()
-    context, original = plant.CreateDefaultContext(), fused_model(GO2)
+    context, original = plant.CreateDefaultContext(), fused_model(robot)
     assert plant.CalcTotalMass(context) == pytest.approx(original.body_subtreemass[0], abs=TOLERANCE)
     order = [plant.GetJointByName(name).velocity_start() for name in JOINT_NAMES]
-    for joints in np.random.default_rng(2).uniform(GO2.joint_lower, GO2.joint_upper, (5, 12)):
+    for joints in np.random.default_rng(2).uniform(robot.joint_lower, robot.joint_upper, (5, 12)):
         for name, angle in zip(JOINT_NAMES, joints, strict=True):
             plant.GetJointByName(name).set_angle(context, angle)
         found = plant.CalcMassMatrix(context)[np.ix_(order, order)]

@@ -19,7 +19,7 @@ from camp.transfer.description import Description
 from camp.transfer.engine import ENGINES, READING_S, contacts_of, engine_version, find_engine, start_engine
 from camp.transfer.results import judge
 from camp.transfer.walks import EngineBody, Feet, walk
-from tests.transfer.descriptions import GO2, description, metadata
+from tests.transfer.descriptions import A1, GO2, description, metadata
 
 MODULES = {"mujoco": "mujoco", "sapien": "sapien", "dart": "dartpy", "drake": "pydrake"}
 OTHERS = [name for name in ENGINES if name != "mujoco"]
@@ -73,6 +73,18 @@ def test_the_robot_stands_on_four_feet(name):
     assert contacts.feet.all() and not contacts.fallen
     assert 0.24 < state.position[2] < 0.29 and state.rotation[2, 2] > 0.99
     assert READING_S % engine.timestep_s == pytest.approx(0.0, abs=1e-9) or engine.timestep_s == READING_S
+
+
+def test_another_robot_stands_as_high_as_its_legs_and_moves_as_in_mujoco(name):
+    """The A1, with the Go2's gains."""
+    one = description(A1)
+    np.testing.assert_allclose(in_the_air(name, one), in_the_air("mujoco", one), rtol=0, atol=NEARNESS[name])
+    engine = start_engine(name, one)
+    for _ in range(100):
+        engine.step()
+    state, contacts = engine.state(), engine.contacts()
+    assert contacts.feet.all() and not contacts.fallen
+    assert one.height == pytest.approx(0.26864, abs=1e-5) and 0.22 < state.position[2] < one.height
 
 
 def test_joints_follow_their_targets_as_in_mujoco(name):

@@ -7,10 +7,12 @@ import pytest
 from camp.cli.key_values import run_command
 from camp.common.paths import policies_root
 from camp.deployment.export import export_policy
+from camp.evaluation.suite import file_digest
 from camp.transfer.__main__ import __doc__ as usage
 from camp.transfer.__main__ import transfer
 from camp.transfer.results import read_results, write_result
 from tests.errors import assert_one_line
+from tests.transfer.descriptions import A1
 from tests.transfer.results import RIGHT, result
 
 pytest.importorskip("onnx", reason="comes with the export extra")
@@ -35,6 +37,15 @@ def test_walks_become_a_file_and_a_table(model, tmp_path, capsys):
     assert "mujoco: 5 walks of 6 s" in printed and "engines, suite " in printed
 
 
+def test_a_policy_walks_another_robot(model, tmp_path, capsys):
+    arguments = [str(model), "engine=mujoco", "skills=trot_3hz", "robot=a1", f"output={tmp_path}"]
+    assert run_command(transfer, arguments, usage) == 0
+    (found,) = read_results(tmp_path)
+    assert found.robot == found.suite.robot == "a1" and found.suite.model == file_digest(A1.model_path)
+    assert (tmp_path / f"a1_{model.parent.name}_mujoco.json").is_file()
+    assert " a1 " in capsys.readouterr().out
+
+
 def test_the_table_is_printed_anew(tmp_path, capsys):
     write_result(tmp_path / "a.json", result("dart", RIGHT))
     write_result(tmp_path / "b.json", result("drake", RIGHT))
@@ -54,6 +65,7 @@ def test_the_table_is_printed_anew(tmp_path, capsys):
         (["none.onnx", "engine=mujoco"], "policy none.onnx: not found"),
         (["{model}", "engine=mujoco", "skills=walk"], "skill 'walk': unknown to this policy; choose one of trot_2hz"),
         (["{model}", "engine=mujoco", "suite=long"], "suite"),
+        (["{model}", "engine=mujoco", "robot=spot"], "robot = 'spot': unknown robot; choose one of go2, a1"),
         (["table", "output={empty}"], "holds no results"),
         (["table", "engine=dart"], "argument 'engine=dart': give [output=<value>]"),
     ],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
@@ -15,6 +16,7 @@ from camp.common.foreign import first_problem, foreign_file, read_json
 from camp.gaits.schedule import GAIT_PHASES
 from camp.gaits.skills import Skill
 from camp.robots.quadruped import JOINT_NAMES, NUM_JOINTS
+from camp.robots.registry import ROBOTS
 
 VERSION = 1
 STRICT = ConfigDict(extra="forbid")
@@ -67,7 +69,7 @@ class Contract:
 
     contract: Literal[1]
     name: str
-    robot: Literal["go2"]
+    robot: str  # whose model it walks on, of camp.robots.registry
     control_period_s: float
     joint_names: list[str]
     default_pose: list[float]  # rad; `joint_position` is told from it
@@ -100,6 +102,12 @@ class Contract:
         return self.history * sum(self.size(term) for term in self.observation)
 
 
+def contract_on(contract: Contract, robot: str) -> Contract:
+    """The contract of the same network, with the same gains and pose, on another robot."""
+    name = contract.name if robot == contract.robot else f"{contract.name}_on_{robot}"
+    return replace(contract, robot=robot, name=name)
+
+
 def parse_skill(name: str) -> Skill:
     """A skill by its name, such as trot or trot_3hz. Raises ValueError."""
     found = re.fullmatch(r"(?P<gait>.+?)(?:_(?P<hz>\d+(?:\.\d+)?)hz)?", name)
@@ -128,6 +136,8 @@ def read_contract(path: Path) -> Contract:
 
 def _problems(contract: Contract):
     """What types alone do not tell."""
+    if contract.robot not in ROBOTS:
+        yield f"robot = {contract.robot!r}: choose one of {', '.join(ROBOTS)}"
     if sorted(contract.joint_names) != sorted(JOINT_NAMES):
         yield f"joint_names: give the robot's 12 joints, such as {JOINT_NAMES[0]}, in the policy's order"
     for key in ("default_pose", "kp", "kd"):

@@ -13,10 +13,10 @@ from torch import Tensor
 from camp.common.tensors import constant
 from camp.envs.measurement import Measurement
 from camp.evaluation.contract import Contract, Numbers
-from camp.evaluation.robot import ROBOT
 from camp.gaits.schedule import GAIT_PHASES
 from camp.gaits.skills import Skill
 from camp.robots.quadruped import JOINT_NAMES, NUM_JOINTS
+from camp.robots.registry import find_robot
 from camp.robots.robot import Robot
 
 Answer = Callable[[Tensor], Tensor]  # observation (N, O) -> the network's answer (N, 12)
@@ -111,10 +111,13 @@ class NetworkController:
 
 
 class Standing:
-    """Holds the default pose: what a figure has to beat."""
+    """Holds the robot's default pose: what a figure has to beat."""
+
+    def __init__(self, robot: Robot):
+        self._default = robot.default_joint_position
 
     def start(self, joint_target: Tensor) -> None:
-        self._pose = constant(ROBOT.default_joint_position, joint_target).expand_as(joint_target)
+        self._pose = constant(self._default, joint_target).expand_as(joint_target)
 
     def __call__(self, sight: Sight) -> Tensor:
         return self._pose
@@ -126,17 +129,18 @@ class OpenLoopSine:
     It gives the contacts a rhythm without walking: the hind feet hardly leave the ground.
 
     Args:
+        robot: whose default pose it is.
         skills: in label order.
         amplitude_rad: of the thighs; the calves move twice as far.
     """
 
-    def __init__(self, skills: Sequence[Skill], amplitude_rad: float = SINE_AMPLITUDE_RAD):
-        self._amplitude = amplitude_rad
+    def __init__(self, robot: Robot, skills: Sequence[Skill], amplitude_rad: float = SINE_AMPLITUDE_RAD):
+        self._default, self._amplitude = robot.default_joint_position, amplitude_rad
         self._phase = torch.tensor([GAIT_PHASES[skill.gait] for skill in skills])  # (K, 4)
         self._frequency = torch.tensor([skill.frequency_hz or 2.0 for skill in skills])
 
     def start(self, joint_target: Tensor) -> None:
-        self._pose = constant(ROBOT.default_joint_position, joint_target)
+        self._pose = constant(self._default, joint_target)
 
     def __call__(self, sight: Sight) -> Tensor:
         cycles = sight.time_s * self._frequency[sight.skill][:, None] - self._phase[sight.skill]
@@ -146,10 +150,10 @@ class OpenLoopSine:
 
 
 def robot_of(contract: Contract) -> Robot:
-    """The robot with the contract's gains."""
+    """The contract's robot with the contract's gains."""
     order = [contract.joint_names.index(name) for name in JOINT_NAMES]
     kp, kd = (tuple(gain[i] for i in order) for gain in (contract.kp, contract.kd))
-    return replace(ROBOT, pd_gain_p=kp, pd_gain_d=kd)
+    return replace(find_robot(contract.robot, "robot"), pd_gain_p=kp, pd_gain_d=kd)
 
 
 def _tensor(value: Numbers) -> Tensor:

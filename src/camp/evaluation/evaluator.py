@@ -73,8 +73,10 @@ class Evaluator:
         evaluation, contract = self.evaluation, subject.contract
         skills = contract.skill_set
         clips = [clip for clip in self.clips if any(s.includes(clip.gait, clip.frequency_hz) for s in skills)]
+        robot = robot_of(contract)
         planner = Planner(
             evaluation,
+            robot,
             skills,
             contract.control_period_s,
             contract.command_range,
@@ -91,7 +93,7 @@ class Evaluator:
         jobs += [(baseline, make()) for make in subject.baselines.values() if baseline is not None]
         setting = Setting(
             period_s=contract.control_period_s,
-            robot=robot_of(contract),
+            robot=robot,
             noise=evaluation.noise,
             push_period_s=evaluation.push_period_s,
             seed=evaluation.seed,
@@ -149,9 +151,9 @@ class Evaluator:
         reading, report, wants = self._read(result.grid, planner), result.report, self.evaluation.wants
         report.performed = gait.performed_by_command(reading, self.evaluation.commands)
         if wants("quality"):
-            report.quality = summarize_quality(reading)
+            report.quality = summarize_quality(planner.robot, reading)
         if wants("reference"):
-            report.reference = summarize_reference(reading, clips)
+            report.reference = summarize_reference(planner.robot, reading, clips)
         if wants("style"):
             report.style = summarize_style(reading, planner.skills, clips)
         result.arrays |= arrays.grid_arrays(reading, self.evaluation.commands)
@@ -160,7 +162,7 @@ class Evaluator:
         result.switching = record(trace)
         switches = find_switches(result.switching, planner.skills)
         within = self.evaluation.switching.within_s
-        result.report.switching = summarize_switching(result.switching, switches, planner.skills, within)
+        result.report.switching = summarize_switching(planner.robot, result.switching, switches, planner.skills, within)
         result.arrays |= arrays.switching_arrays(result.switching, switches)
 
     def _read_robustness(self, trace: Trace, planner: Planner, clips: list[Clip], result: Judgement) -> None:
@@ -170,7 +172,7 @@ class Evaluator:
     def _empty_report(self, subject: Subject, planner: Planner) -> Report:
         return Report(
             format=FORMAT,
-            suite=stamp(self.evaluation),
+            suite=stamp(self.evaluation, planner.robot),
             run=subject.name,
             variant=subject.variant,
             iteration=subject.iteration,

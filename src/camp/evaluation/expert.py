@@ -11,22 +11,22 @@ from camp.evaluation.reading import read
 from camp.evaluation.recording import Recording
 from camp.evaluation.reference import summarize_reference
 from camp.evaluation.report import FORMAT, Report
-from camp.evaluation.robot import ROBOT
 from camp.evaluation.suite import stamp
 from camp.evaluation.tracking import summarize_tracking
 from camp.motion.clips.clip import Clip, amp_state
 from camp.motion.clips.consistency import foot_height
+from camp.robots.robot import Robot
 
 NAME = "expert"
 SUITE = "clips"  # steady ones, 4 s each at 50 Hz: neither random commands nor random starts
 
 
-def judge_expert() -> Report:
-    """All steady clips of all gaits and frequencies. Raises ClipError where they are missing."""
-    clips = [clip for clip, _ in expert_clips() if clip.is_steady]
-    reading = read(recording_of(clips), SKILLS, 0.0)
+def judge_expert(robot: Robot) -> Report:
+    """All steady clips of a robot, all gaits and frequencies. Raises ClipError where they are missing."""
+    clips = [clip for clip, _ in expert_clips(robot) if clip.is_steady]
+    reading = read(recording_of(robot, clips), SKILLS, 0.0)
     evaluation = compose_evaluation()
-    suite = stamp(evaluation)
+    suite = stamp(evaluation, robot)
     suite.name, suite.digest = SUITE, "-"
     return Report(
         format=FORMAT,
@@ -47,7 +47,7 @@ def judge_expert() -> Report:
         table_i=None,
         tracking=summarize_tracking(reading),
         quality={},
-        reference=summarize_reference(reading, clips),
+        reference=summarize_reference(robot, reading, clips),
         style={},
         switching=None,
         robustness={},
@@ -55,7 +55,7 @@ def judge_expert() -> Report:
     )
 
 
-def recording_of(clips: list[Clip]) -> Recording:
+def recording_of(robot: Robot, clips: list[Clip]) -> Recording:
     """Clips of one length and held commands as roll-outs; torques are the clips' own means over a control step."""
     steps = min(len(clip) for clip in clips)
     label = [next(k for k, s in enumerate(SKILLS) if s.includes(clip.gait, clip.frequency_hz)) for clip in clips]
@@ -71,7 +71,7 @@ def recording_of(clips: list[Clip]) -> Recording:
         command=np.stack([clip.command for clip in clips]),
         velocity=np.concatenate([linear[..., :2], angular[..., 2:]], axis=-1),
         contact=rows("foot_contact"),
-        foot_height=np.stack([foot_height(ROBOT, clip)[:steps] for clip in clips]),
+        foot_height=np.stack([foot_height(robot, clip)[:steps] for clip in clips]),
         joint_target=rows("joint_target_applied"),
         joint_position=rows("joint_position"),
         joint_velocity=velocity,

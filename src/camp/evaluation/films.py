@@ -15,7 +15,7 @@ from camp.evaluation.captions import Take, caption
 from camp.evaluation.config import EvaluationConfig
 from camp.evaluation.evaluator import Judgement
 from camp.evaluation.recording import Recording
-from camp.evaluation.robot import ROBOT
+from camp.robots.robot import Robot
 from camp.sim.rendering import RobotRenderer, write_video
 
 
@@ -33,14 +33,16 @@ USUAL = Quality(640, 480, 2, smooth=False)  # 25 pictures per second
 HIGH = Quality(1280, 720, 1, smooth=True)  # 50 pictures per second
 
 
-def film(judgement: Judgement, skills: Sequence[str], evaluation: EvaluationConfig, folder: Path) -> dict[str, Path]:
-    """The mp4s that ``evaluation`` asks for, by name, in ``folder``, which exists.
+def film(
+    robot: Robot, judgement: Judgement, skills: Sequence[str], evaluation: EvaluationConfig, folder: Path
+) -> dict[str, Path]:
+    """The robot's mp4s that ``evaluation`` asks for, by name, in ``folder``, which exists.
 
     Without OpenGL none, and those that cannot be written are left out: a line on stderr says so.
     """
     quality = HIGH if evaluation.video_high else USUAL
     try:
-        renderer = RobotRenderer(ROBOT.load_model(), quality.width, quality.height, quality.smooth)
+        renderer = RobotRenderer(robot.load_model(), quality.width, quality.height, quality.smooth)
     except CampError as error:
         print(f"no videos: {error}", file=sys.stderr)
         return {}

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from camp.build import Run
 from camp.common.commands import command
 from camp.common.errors import ConfigError
 from camp.common.files import whole_pair
@@ -14,18 +15,32 @@ from camp.common.progress import phase
 from camp.evaluation.cells import table_console
 from camp.evaluation.evaluator import Judgement
 from camp.evaluation.report import Report, as_json
-from camp.evaluation.robot import ROBOT
 from camp.evaluation.tables import printed
 from camp.gaits.schedule import GAIT_PHASES
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.store import load_clips
+from camp.robots.registry import find_robot
+from camp.robots.robot import Robot
 from camp.runs.folder import ARRAYS, REPORT
 
 
-def expert_motions() -> list[Clip]:
-    """The shipped clips, which every policy is judged beside. Raises ClipError."""
+def expert_motions(robot: Robot, folder: Path | None = None) -> list[Clip]:
+    """The clips that every policy of the robot is judged beside: the shipped ones, or those of a folder.
+
+    Raises ClipError.
+    """
     with phase("reading the expert's clips"):
-        return load_clips(ROBOT, shipped_motions(ROBOT.name), tuple(GAIT_PHASES))
+        return load_clips(robot, folder or shipped_motions(robot.name), tuple(GAIT_PHASES))
+
+
+def motions_beside(run: Run) -> list[Clip]:
+    """The clips that a run's policy is judged beside: those of its own folder where none of its robot are shipped.
+
+    Raises ClipError.
+    """
+    robot, own = find_robot(run.config.robot.name), run.config.motion.folder
+    shipped = any(shipped_motions(robot.name).glob("*.npz"))
+    return expert_motions(robot, None if shipped or own is None else Path(own))
 
 
 def print_report(report: Report, path: Path, everything: bool = False) -> None:

@@ -7,6 +7,7 @@ from html import escape
 
 from camp.evaluation.report import Estimate, PolicySummary, Report
 from camp.metrics.statistics import rare_interval
+from camp.robots.registry import DEFAULT_ROBOT
 
 STYLE = """
 body{font:15px/1.45 system-ui,sans-serif;margin:2rem auto;max-width:76rem;padding:0 1rem;color:#1c1e21;background:#fff}
@@ -33,13 +34,14 @@ def leaderboard_page(reports: Sequence[Report]) -> str:
     )
 
 
-def _order(report: Report) -> tuple[bool, str]:
-    return (report.suite.name != "v1", report.suite.name)
+def _order(report: Report) -> tuple[bool, bool, str, str]:
+    return (report.suite.name != "v1", report.suite.robot != DEFAULT_ROBOT, report.suite.name, report.suite.robot)
 
 
 def _suite(report: Report) -> str:
     found = report.suite
-    return f"suite {found.name} · values {found.digest} · thresholds {found.thresholds} · model {found.model}"
+    digests = f"values {found.digest} · thresholds {found.thresholds} · model {found.model}"
+    return f"suite {found.name} · {found.robot} · {digests}"
 
 
 def _section(suite: str, reports: Sequence[Report]) -> str:

@@ -22,6 +22,7 @@ from camp.evaluation.sampling import (
 )
 from camp.gaits.skills import Skill
 from camp.motion.clips.sampler import ReferenceStates
+from camp.robots.robot import Robot
 from camp.sim.base import Dynamics
 
 ONE_SIZE = (1.0, 1.0)
@@ -82,10 +83,11 @@ def joined(name: str, plans: Sequence[Plan]) -> Plan:
 class Planner:
     """Makes the plans of a suite for one policy's skills.
 
-    allowed: commands that the policy was trained for; references: frames of expert clips by these skills.
+    allowed: commands that the policy was trained for; references: frames of the robot's expert clips by these skills.
     """
 
     evaluation: EvaluationConfig
+    robot: Robot
     skills: tuple[Skill, ...]
     period_s: float
     allowed: CommandRange | None
@@ -103,7 +105,7 @@ class Planner:
         commands = torch.tensor(self.evaluation.commands, dtype=torch.float32)
         label = torch.arange(len(self.skills)).repeat_interleave(len(commands))
         command = clipped(commands.repeat(len(self.skills), 1), self.allowed)
-        starts = standing_starts(len(label), ONE_SIZE, self._stream("grid"))
+        starts = standing_starts(self.robot, len(label), ONE_SIZE, self._stream("grid"))
         return self._undisturbed("grid", label, command, starts)
 
     def walks(self, per_skill: int, stream: str) -> Plan:
@@ -111,7 +113,7 @@ class Planner:
         source = self._stream(stream)
         label = torch.arange(len(self.skills)).repeat_interleave(per_skill)
         command = random_commands(len(label), self.evaluation.random_commands, self.allowed, source)
-        starts = walk_starts(label, self.skills, self.evaluation.walks, self.references, source)
+        starts = walk_starts(self.robot, label, self.evaluation.walks, self.references, source)
         return self._undisturbed(stream, label, command, starts)
 
     def table_i(self) -> Plan:
@@ -139,7 +141,7 @@ class Planner:
         source = self._stream("switching")
         each = labels.repeat_interleave(wanted.commands_per_switch, dim=0)
         command = random_commands(len(each), self.evaluation.random_commands, self.allowed, source)
-        starts = standing_starts(len(each), self.evaluation.walks.standing_scale, source)
+        starts = standing_starts(self.robot, len(each), self.evaluation.walks.standing_scale, source)
         skill = each.repeat_interleave(round(wanted.skill_s / self.period_s), dim=1)
         return self._plan("switching", skill, command, starts)
 

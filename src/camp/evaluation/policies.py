@@ -14,8 +14,8 @@ from camp.common.errors import CampError
 from camp.common.onnx_session import ERRORS, open_session
 from camp.config.schema import Config
 from camp.evaluation.contract import TERM_SIZES, CommandRange, Contract, Output, Term
-from camp.evaluation.robot import ROBOT
 from camp.robots.quadruped import JOINT_NAMES, NUM_JOINTS, NUM_LEGS
+from camp.robots.registry import find_robot
 
 
 def contract_of_run(name: str, config: Config) -> Contract:
@@ -23,7 +23,7 @@ def contract_of_run(name: str, config: Config) -> Contract:
 
     Raises CampError where it observes what no contract names.
     """
-    _require_judged("robot.name", config.robot.name)
+    pose = list(find_robot(config.robot.name).default_joint_position)
     skills, entries = config.motion.skill_set(), list(config.env.observation.policy)
     unknown = [name for name in entries if name not in (*TERM_SIZES, "skill")]
     if unknown:
@@ -36,22 +36,19 @@ def contract_of_run(name: str, config: Config) -> Contract:
         [skill.name for skill in skills],
         config.env.observe_skill,
         _range(config.env.command.vx_m_s, config.env.command.vy_m_s, config.env.command.yaw_rate_rad_s),
+        robot=config.robot.name,
         control_period_s=config.env.control_period_s,
         joint_names=list(JOINT_NAMES),
-        default_pose=list(ROBOT.default_joint_position),
+        default_pose=pose,
         kp=list(config.robot.kp) * NUM_LEGS,
         kd=list(config.robot.kd) * NUM_LEGS,
-        output=Output(scale=config.robot.action_scale, offset=list(ROBOT.default_joint_position)),
+        output=Output(scale=config.robot.action_scale, offset=pose),
         observation=[Term(name) for name in entries],
     )
 
 
 def contract_of_metadata(name: str, metadata: Mapping[str, Any]) -> Contract:
-    """The contract of what `camp.export` writes, whose network answers with joint targets.
-
-    Raises CampError where it is of another robot.
-    """
-    _require_judged("metadata robot", metadata["robot"])
+    """The contract of what `camp.export` writes, whose network answers with joint targets."""
     pose, terms = list(metadata["default_pose"]), [Term(entry["name"]) for entry in metadata["observation"]]
     last_action = Term("last_action", scale=1.0 / metadata["action_scale"], offset=pose)
     allowed = metadata["command_range"]
@@ -60,6 +57,7 @@ def contract_of_metadata(name: str, metadata: Mapping[str, Any]) -> Contract:
         metadata["skills"],
         metadata["observe_skill"],
         _range(allowed["vx_m_s"], allowed["vy_m_s"], allowed["yaw_rate_rad_s"]),
+        robot=metadata["robot"],
         control_period_s=metadata["control_period"],
         joint_names=metadata["joint_names"],
         default_pose=pose,
@@ -109,14 +107,9 @@ class OnnxAnswer:
         return torch.from_numpy(np.array(self._session.run([self._output], {self._input.name: rows})[0]))
 
 
-def _require_judged(key: str, robot: str) -> None:
-    if robot != ROBOT.name:
-        raise CampError(f"{key} = {robot}: the suite judges policies of the {ROBOT.title} alone")
-
-
 def _contract(name: str, skills: list[str], observed: bool, allowed: CommandRange, **rest: Any) -> Contract:
     encodings = {skill: [float(observed and skill == other) for other in skills] for skill in skills}
-    return Contract(contract=1, name=name, robot="go2", skills=encodings, command_range=allowed, **rest)
+    return Contract(contract=1, name=name, skills=encodings, command_range=allowed, **rest)
 
 
 def _range(vx: list[float], vy: list[float], yaw_rate: list[float]) -> CommandRange:

@@ -8,24 +8,25 @@ import numpy as np
 
 from camp.evaluation.reading import Reading
 from camp.evaluation.report import JointReference, ReferenceSummary
-from camp.evaluation.robot import ROBOT
 from camp.gaits.skills import Skill
 from camp.metrics.reference import ReferenceTracking, mean_stride, reference_tracking
 from camp.metrics.tracking import by_joint_kind
 from camp.motion.clips.clip import Clip
 from camp.robots.quadruped import NUM_JOINTS
+from camp.robots.robot import Robot
 
 COMPARED = ("thigh", "calf")  # as in the paper; a hip moves by a few degrees, of which any error is a large fraction
 Strides = Mapping[tuple[str, float, tuple[float, ...]], np.ndarray]  # gait, Hz, command -> mean stride
 
 
-def summarize_reference(reading: Reading, clips: Sequence[Clip]) -> dict[str, ReferenceSummary]:
+def summarize_reference(robot: Robot, reading: Reading, clips: Sequence[Clip]) -> dict[str, ReferenceSummary]:
     """Tracking of the expert's mean stride, per skill and over all, from the upright walks with a rhythm and a clip."""
-    strides = _strides(clips)
+    strides, pose = _strides(clips), np.array(robot.default_joint_position)
     found: dict[str, list[list[ReferenceTracking]]] = {}
     for label, skill in enumerate(reading.skills):
         rows = np.flatnonzero((reading.wanted == label) & reading.stepping & np.isfinite(reading.gait.frequency_hz))
-        found[skill.name] = [each for row in rows if (each := _compare(reading, int(row), skill, strides)) is not None]
+        walks = [_compare(reading, int(row), skill, strides, pose) for row in rows]
+        found[skill.name] = [walk for walk in walks if walk is not None]
     found["all"] = [each for walks in found.values() for each in walks]
     return {
         name: ReferenceSummary(
@@ -50,7 +51,9 @@ def _key(command: np.ndarray) -> tuple[float, ...]:
     return tuple(round(float(value), 3) + 0.0 for value in command)
 
 
-def _compare(reading: Reading, row: int, skill: Skill, strides: Strides) -> list[ReferenceTracking] | None:
+def _compare(
+    reading: Reading, row: int, skill: Skill, strides: Strides, pose: np.ndarray
+) -> list[ReferenceTracking] | None:
     """The walk, the default pose, and the walk against another gait; None where the expert has no such clip."""
     measured, command = float(reading.gait.frequency_hz[row]), _key(reading.command[row])
     own = _nearest(strides, {skill.gait}, skill.frequency_hz or measured, command)
@@ -58,8 +61,7 @@ def _compare(reading: Reading, row: int, skill: Skill, strides: Strides) -> list
         return None
     recording = reading.recording
     position = recording.joint_position[row, reading.first_step :]
-    pose = np.broadcast_to(np.array(ROBOT.default_joint_position), (len(position), NUM_JOINTS))
-    compared = [position, pose]
+    compared = [position, np.broadcast_to(pose, (len(position), NUM_JOINTS))]
     result = [reference_tracking(each, own, measured, recording.period_s) for each in compared]
     others = {gait for gait, _, _ in strides} - {skill.gait}
     other = _nearest(strides, others, skill.frequency_hz or measured, command)

@@ -16,6 +16,7 @@ from camp.common.errors import CampError
 from camp.common.files import write_text
 from camp.common.foreign import first_problem, foreign_file, read_json
 from camp.metrics.statistics import Verdict
+from camp.robots.registry import DEFAULT_ROBOT
 
 FORMAT: Literal[2] = 2  # of eval.json; 1 had neither suite nor intervals
 
@@ -43,6 +44,7 @@ class SuiteStamp:
     thresholds: str  # digest of the gait criteria's limits
     model: str  # digest of the robot's model file
     seed: int
+    robot: str = DEFAULT_ROBOT  # reports from before there was another name none
 
 
 @dataclass

@@ -72,7 +72,7 @@ def roll_out(jobs: Sequence[tuple[Plan, Controller]], setting: Setting, track: T
         for rows, _, controller, _ in groups:
             controller.start(whole.starts.joint_target[rows])
         notes = _Notes(num, steps, sim)
-        target, change, floor = torch.zeros(num, 12), torch.zeros(num, 3), on_floor(num)
+        target, change, floor = torch.zeros(num, 12), torch.zeros(num, 3), on_floor(setting.robot, num)
         held = whole.starts.joint_target.clone()
         for step in track(range(steps), "walking, control steps"):
             true = measure(setting.robot, sim.state)

@@ -14,9 +14,9 @@ from camp.envs.commands import uniform
 from camp.envs.config import InitializationConfig
 from camp.evaluation.config import CommandsConfig, WalksConfig
 from camp.evaluation.contract import CommandRange
-from camp.evaluation.robot import ROBOT
 from camp.gaits.skills import Skill
 from camp.motion.clips.sampler import ReferenceStates
+from camp.robots.robot import Robot
 from camp.sim.base import InitialState
 
 
@@ -59,21 +59,21 @@ def clipped(command: Tensor, allowed: CommandRange | None) -> Tensor:
     return torch.minimum(torch.maximum(command, low), high)
 
 
-def standing_starts(num: int, scale: Sequence[float], stream: torch.Generator) -> Starts:
+def standing_starts(robot: Robot, num: int, scale: Sequence[float], stream: torch.Generator) -> Starts:
     """Robots at rest whose joint angles are the default pose's times uniform draws from ``scale``."""
     config = InitializationConfig(reference_fraction=0.0, joint_position_scale=list(scale))
-    initial = initialization.standing(ROBOT, num, config, stream)
-    return Starts(initial, constant(ROBOT.default_joint_position, initial.joint_position).expand(num, -1).clone())
+    initial = initialization.standing(robot, num, config, stream)
+    return Starts(initial, constant(robot.default_joint_position, initial.joint_position).expand(num, -1).clone())
 
 
 def walk_starts(
-    label: Tensor, skills: Sequence[Skill], config: WalksConfig, references: ReferenceStates, stream: torch.Generator
+    robot: Robot, label: Tensor, config: WalksConfig, references: ReferenceStates, stream: torch.Generator
 ) -> Starts:
     """A start for each of the labels (n,): a fraction standing, the rest in the midst of a stride of another gait.
 
     Where there is no other gait, of another frequency, or else of any.
     """
-    num = len(label)
+    num, skills = len(label), references.skills
     others = [_others(skill, skills) for skill in skills]
     draw = torch.rand(num, generator=stream)
     before = torch.tensor(
@@ -81,7 +81,7 @@ def walk_starts(
     )
     frame = references.sample(before, stream)
     moving = Starts(initialization.from_reference(frame), frame.joint_target_applied_previous)
-    still = standing_starts(num, config.standing_scale, stream)
+    still = standing_starts(robot, num, config.standing_scale, stream)
     stands = torch.rand(num, generator=stream) < config.standing_fraction
     tensors = {
         name: torch.where(stands.view(-1, *(1,) * (value.dim() - 1)), value, moving.tensors()[name])

@@ -6,7 +6,6 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from camp.evaluation.robot import ROBOT
 from camp.robots.quadruped import CONTACT_FORCE, NUM_JOINTS, NUM_LEGS
 from camp.robots.robot import Robot
 from camp.sim.base import InitialState
@@ -43,9 +42,9 @@ class WatchedSimulator(CpuSimulator):
         self._forces[:] = self._sensordata
 
 
-def on_floor(num: int) -> InitialState:
+def on_floor(robot: Robot, num: int) -> InitialState:
     """``num`` robots that stand still in the default pose."""
-    model = ROBOT.load_model()
+    model = robot.load_model()
     stand = torch.tensor(model.key("stand").qpos, dtype=torch.float32).expand(num, -1)
     return InitialState(
         base_position=stand[:, :3],

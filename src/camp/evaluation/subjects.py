@@ -6,23 +6,25 @@ from pathlib import Path
 
 from camp.build import Run, build_actor
 from camp.common.seeding import generator
-from camp.evaluation.contract import Contract
-from camp.evaluation.controllers import NetworkController, OpenLoopSine, Standing
+from camp.evaluation.contract import Contract, contract_on
+from camp.evaluation.controllers import NetworkController, OpenLoopSine, Standing, robot_of
 from camp.evaluation.evaluator import MakeController, Subject
 from camp.evaluation.policies import OnnxAnswer, contract_of_run
 from camp.evaluation.suite import file_digest
 from camp.runs.checkpoint import latest_checkpoint
 
 
-def subject_of_run(run: Run, folder: Path, name: str, baselines: bool) -> Subject:
-    """The deterministic policy of a run folder."""
+def subject_of_run(run: Run, folder: Path, name: str, baselines: bool, robot: str | None = None) -> Subject:
+    """The deterministic policy of a run folder, on its own robot or on another one."""
     contract = contract_of_run(name, run.config)
+    if robot is not None:
+        contract = contract_on(contract, robot)
     beside: dict[str, MakeController] = {}
     if baselines:
         untrained = build_actor(run.config, generator(run.config.seed, "weights"))
         beside = {"untrained": lambda: NetworkController(contract, untrained)} | _baselines(contract)
     return Subject(
-        name=name,
+        name=contract.name,
         contract=contract,
         controller=lambda: NetworkController(contract, run.actor),
         policy=file_digest(latest_checkpoint(folder)),
@@ -46,4 +48,5 @@ def subject_of_onnx(answer: OnnxAnswer, contract: Contract, baselines: bool) -> 
 
 
 def _baselines(contract: Contract) -> dict[str, MakeController]:
-    return {"standing": Standing, "sine": lambda: OpenLoopSine(contract.skill_set)}
+    robot = robot_of(contract)
+    return {"standing": lambda: Standing(robot), "sine": lambda: OpenLoopSine(robot, contract.skill_set)}

@@ -9,25 +9,29 @@ from pathlib import Path
 
 from camp.evaluation.config import EvaluationConfig, SuiteConfig
 from camp.evaluation.report import SuiteStamp
-from camp.evaluation.robot import ROBOT
 from camp.metrics.criteria import Limits
+from camp.robots.robot import Robot
 
-# Digest of the values, the gait criteria's limits and the robot's model behind each named suite. A test compares them
-# with the files: a change of what is measured needs a new name here.
-SUITES = {"v1": "16c610e718590d52", "short": "e574727a364cdd12"}
+# Digest of the values, the gait criteria's limits and the robot's model behind each named suite, by robot. A test
+# compares them with the files: a change of what is measured needs a new name here.
+SUITES = {
+    "v1": {"go2": "16c610e718590d52", "a1": "5acf8384814ccb32"},
+    "short": {"go2": "e574727a364cdd12", "a1": "76c58e288750580c"},
+}
 CUSTOM = "custom"
 
 
-def stamp(evaluation: EvaluationConfig) -> SuiteStamp:
-    """The suite of an evaluation; "custom" where a value differs from the named suite's."""
+def stamp(evaluation: EvaluationConfig, robot: Robot) -> SuiteStamp:
+    """The suite of an evaluation; "custom" where a value or the robot's model differs from the named suite's."""
     found = SuiteStamp(
         name=evaluation.name,
         digest=values_digest(evaluation),
         thresholds=_digest(json.dumps(asdict(Limits()), sort_keys=True).encode()),
-        model=file_digest(ROBOT.model_path),
+        model=file_digest(robot.model_path),
         seed=evaluation.seed,
+        robot=robot.name,
     )
-    if SUITES.get(found.name) != whole_digest(found):
+    if SUITES.get(found.name, {}).get(robot.name) != whole_digest(found):
         found.name = CUSTOM
     return found
 

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from camp.evaluation.recording import Recording
 from camp.evaluation.report import FirstSequence, Peaks, SwitchGroup, SwitchingSummary
-from camp.evaluation.robot import ROBOT
 from camp.evaluation.values import fraction, mean
 from camp.gaits.skills import Skill, performed
 from camp.metrics.effort import torque_use, velocity_jump
 from camp.metrics.gait import measure_over_time, switch_time
 from camp.metrics.switching import fraction_within, peak_in_windows, quantile_of_switches
+from camp.robots.robot import Robot
 
 WINDOW_S = 0.5  # behind a switch and, for steady walking, before the next one or the end
 
@@ -53,7 +53,7 @@ def find_switches(recording: Recording, skills: Sequence[Skill]) -> Switches:
 
 
 def summarize_switching(
-    recording: Recording, switches: Switches, skills: Sequence[Skill], within_s: float
+    robot: Robot, recording: Recording, switches: Switches, skills: Sequence[Skill], within_s: float
 ) -> SwitchingSummary:
     """Times until the new skill is completed, peaks at the switch beside steady ones, falls."""
     true, gaits = switches.true, np.array([skill.gait for skill in skills])
@@ -61,7 +61,7 @@ def summarize_switching(
     after, before = gaits[switches.after], gaits[switches.before]
     other_gait, other_hz = after != before, hertz[switches.after] != hertz[switches.before]
     changes = {"gait": other_gait & ~other_hz, "frequency": ~other_gait & other_hz, "both": other_gait & other_hz}
-    group = _Groups(recording, switches, within_s)
+    group = _Groups(robot, recording, switches, within_s)
     every, names = np.ones_like(true), dict.fromkeys(after.tolist())
     return SwitchingSummary(
         sequences=len(recording),
@@ -85,10 +85,10 @@ def summarize_switching(
 class _Groups:
     """Figures of some of the switches (M,) at a time."""
 
-    def __init__(self, recording: Recording, switches: Switches, within_s: float):
+    def __init__(self, robot: Robot, recording: Recording, switches: Switches, within_s: float):
         self._switches, self._within = switches, within_s
         self._length = round(WINDOW_S / recording.period_s)
-        self._torque = torque_use(recording.torque, np.array(ROBOT.torque_limit)).max(axis=2)  # (R, T)
+        self._torque = torque_use(recording.torque, np.array(robot.torque_limit)).max(axis=2)  # (R, T)
         self._jump = velocity_jump(recording.joint_velocity)
         self._upright = recording.steps_upright[switches.robot]
 

@@ -31,7 +31,7 @@ def printed(report: Report, width: int, everything: bool = True) -> Group:
     """
     tables: list[Table] = []
     if report.verdict:
-        title = f"verdict, suite {report.suite.name} ({report.suite.digest})"
+        title = f"verdict, suite {report.suite.name} ({report.suite.digest}), {report.suite.robot}"
         tables.append(verdict_table(sorted(report.verdict, key=lambda one: VERDICTS.index(one.verdict)), title))
     if report.policies:
         tables.append(_gaits(report))

@@ -2,6 +2,7 @@
 
 engine=<name>       sapien, dart or drake (pip install -e '.[sim2sim]' -c constraints.txt), mujoco, or all
 skills=<name,name>  of the policy's (default: all)
+robot=<name>        that walks (default: the one that the policy was trained for)
 suite=<name>        whose fixed commands are walked: short (the default; 5 of 6 s) or full (13 of 8 s)
 output=<folder>     of the results, a file for each robot, policy and engine (default: outputs/transfer)
 
@@ -40,7 +41,7 @@ def transfer(arguments: Sequence[str]) -> None:
     if words == ["table"]:
         folder = Path(key_values(pairs, [], ["output"]).get("output", OUTPUT))
     elif len(words) == 1:
-        given = key_values(pairs, ["engine"], ["skills", "suite", "output"])
+        given = key_values(pairs, ["engine"], ["robot", "skills", "suite", "output"])
         folder = Path(given.get("output", OUTPUT))
         walk_engines(Path(words[0]), given, folder)
     else:
@@ -53,14 +54,16 @@ def walk_engines(place: Path, given: dict[str, str], folder: Path) -> None:
     names = list(ENGINES) if given["engine"] == "all" else [given["engine"]]
     for name in names:
         find_engine(name)
+    robot = find_robot(given["robot"], "robot") if "robot" in given else None
     suite = compose_evaluation([f"suite={given.get('suite', 'short')}"])
     with TemporaryDirectory() as scratch:
         path = _exported(place, Path(scratch)) if place.is_dir() else place
         policy, digest = Policy(path), file_digest(path)
+    robot = robot or find_robot(policy.metadata["robot"])
     skills = _skills(given.get("skills"), policy)
     make_folder(folder)
     title = (place if place.is_dir() else place.parent).resolve().name
-    plan = Plan(policy, title, digest, find_robot(policy.metadata["robot"]), skills, suite)
+    plan = Plan(policy, title, digest, robot, skills, suite)
     for name in names:
         print(f"{name}: {len(skills) * len(suite.commands)} walks of {suite.duration_s:g} s", flush=True)
         result = walk_all(plan, name)

@@ -21,6 +21,7 @@ from camp.evaluation.report import SuiteStamp
 from camp.evaluation.suite import file_digest, stamp
 from camp.metrics.criteria import ContactLog, failures, read_walks
 from camp.metrics.tracking import mean_velocity
+from camp.robots.registry import DEFAULT_ROBOT, find_robot
 from camp.robots.robot import Robot
 from camp.transfer.description import describe
 from camp.transfer.engine import READING_S, engine_version, start_engine
@@ -110,12 +111,17 @@ def walk_all(plan: Plan, name: str) -> Result:
         robot=plan.robot.name,
         policy=plan.title,
         network=plan.digest,
-        suite=replace(stamp(suite), model=file_digest(plan.robot.model_path)),
+        suite=_stamp(suite, plan.robot),
         engine=name,
         version=engine_version(name),
         timestep_s=engine.timestep_s,
         walks=walks,
     )
+
+
+def _stamp(suite: EvaluationConfig, robot: Robot) -> SuiteStamp:
+    """The suite's name stands for its commands, durations and criteria, whoever walks."""
+    return replace(stamp(suite, find_robot(DEFAULT_ROBOT)), robot=robot.name, model=file_digest(robot.model_path))
 
 
 _ADAPTER = TypeAdapter(Result)

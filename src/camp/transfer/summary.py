@@ -84,17 +84,18 @@ def _of_suite(results: Sequence[Result]) -> list[Table]:
     stamp = results[0].suite
     engines = table(f"engines, suite {stamp.name} ({stamp.digest})", ("robot", "engine"), HEADINGS)
     for result in results:
-        engines.add_row(result.robot, result.engine, *_cells(result))
+        walker = result.robot if _one_policy(results) else f"{result.robot}\n{result.policy}"
+        engines.add_row(walker, result.engine, *_cells(result))
     return [engines, _by_skill(results), *_reasons(results)]
 
 
 def markdown(results: Sequence[Result]) -> str:
     """The table of engines for a page."""
-    lines = ["| robot | engine | " + " | ".join(HEADINGS) + " |", "|---" * (2 + len(HEADINGS)) + "|"]
+    lines = ["| robot | policy | engine | " + " | ".join(HEADINGS) + " |", "|---" * (3 + len(HEADINGS)) + "|"]
     for result in ordered(results):
         kind = ENGINES[result.engine]
         engine = f"{kind.title}, {kind.package} {result.version}, {1000 * result.timestep_s:g} ms"
-        lines.append(f"| {result.robot} | {engine} | " + " | ".join(_cells(result)) + " |")
+        lines.append(f"| {result.robot} | {result.policy} | {engine} | " + " | ".join(_cells(result)) + " |")
     return "\n".join(lines) + "\n"
 
 
@@ -137,5 +138,9 @@ def _reasons(results: Sequence[Result]) -> list[Table]:
 
 def _column(result: Result, results: Sequence[Result]) -> str:
     """The engine, and where that does not tell results apart also robot and policy."""
-    alone = len({(one.robot, one.policy) for one in results}) == 1
-    return result.engine if alone else f"{result.engine}\n{result.robot}\n{result.policy}"
+    return result.engine if _one_policy(results) else f"{result.engine}\n{result.robot}\n{result.policy}"
+
+
+def _one_policy(results: Sequence[Result]) -> bool:
+    """Whether all results are of one robot and policy."""
+    return len({(one.robot, one.policy) for one in results}) == 1

@@ -122,7 +122,7 @@ class ReferenceStates:
         """history: A, how many AMP states go with each state. Raises ClipError for a skill without clips or unequal
         frame rates, or a clip that is shorter than the history."""
         groups = _by_skill(clips, skills)
-        self.num_skills = len(groups)
+        self.skills, self.num_skills = tuple(skills), len(groups)
         ordered = [clip for group in groups for clip in group]
         # The first frame of a clip has no previous target, and the first ones no history, so no row has them.
         first = max(1, history - 1)
