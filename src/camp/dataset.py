@@ -122,7 +122,7 @@ def validate(robot: Robot, folder: Path, show_all: bool = False) -> int:
     for table in quality_tables(judged.results, console.width) if show_all else []:
         console.print(table)
     rest = "" if show_all else "; every clip's values: --all"
-    print(f"{folder}: {len(clip_paths(folder))} clips, {judged.bad} bad{rest}")
+    print(f"{folder}: {len(clip_paths(robot, folder))} clips, {judged.bad} bad{rest}")
     return int(judged.bad > 0)
 
 
@@ -131,7 +131,7 @@ def card(robot: Robot, folder: Path) -> int:
     judged = judge(robot, folder)
     if not judged.clips:
         raise ClipError(f"no clip in {folder} can be read; see why with `{command(MODULE, 'validate', str(folder))}`")
-    size = sum(path.stat().st_size for path in clip_paths(folder))
+    size = sum(path.stat().st_size for path in clip_paths(robot, folder))
     print(write_card(folder, dataset_card(robot, judged.clips, judged.results, size)))
     return int(judged.bad > 0)
 
@@ -139,7 +139,7 @@ def card(robot: Robot, folder: Path) -> int:
 def judge(robot: Robot, folder: Path) -> Judged:
     """Check every clip of a folder; what is wrong is printed, with its likely cause."""
     clips, results, bad = {}, {}, 0
-    for path in track(clip_paths(folder), "judging clips"):
+    for path in track(clip_paths(robot, folder), "judging clips"):
         try:
             clip = load_clip(path)
         except ClipError as error:
@@ -155,11 +155,12 @@ def judge(robot: Robot, folder: Path) -> Judged:
     return Judged(clips, results, bad)
 
 
-def clip_paths(folder: Path) -> list[Path]:
+def clip_paths(robot: Robot, folder: Path) -> list[Path]:
     """The clip files of a folder, sorted. Raises ClipError where there is none."""
     paths = sorted(folder.glob("*.npz"))
     if not paths:
-        raise ClipError(f"no clips in {folder}; generate them with `python -m camp.dataset`")
+        words = ("--robot", robot.name, "--folder", str(folder))
+        raise ClipError(f"no clips in {folder}; generate them with `{command(MODULE, *words)}`")
     return paths
 
 

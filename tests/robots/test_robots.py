@@ -10,6 +10,7 @@ import torch
 from camp import dataset
 from camp.common.errors import ConfigError
 from camp.config.compose import compose_config
+from camp.robots.a1 import A1
 from camp.robots.go2 import GO2
 from camp.robots.kinematics import foot_jacobian, foot_position, foot_velocity, inverse_kinematics
 from camp.robots.quadruped import FOOT_NAMES, GRAVITY, JOINT_NAMES, NUM_LEGS
@@ -140,8 +141,54 @@ def test_the_go2_is_as_published():
     assert GO2.leg.thigh_length == GO2.leg.calf_length == 0.213
 
 
+def test_the_a1_is_as_published():
+    """Numbers of a1_description, and places of the front left foot worked out from them."""
+    model = A1.load_model()
+    assert model.body_mass.sum() == pytest.approx(6.0 + 4 * (0.595 + 0.888 + 0.151 + 0.06))
+    assert np.degrees(A1.joint_lower[:3]) == pytest.approx([-46.0, -60.0, -154.5], abs=1e-5)
+    assert np.degrees(A1.joint_upper[:3]) == pytest.approx([46.0, 240.0, -52.5], abs=1e-5)
+    straight_down, sideways = (0.0, 0.9, -1.8), (0.5, 0.0, -np.pi / 2)
+    for pose, foot in (
+        (straight_down, (0.1805, 0.047 + 0.0838, -0.4 * np.cos(0.9))),
+        (
+            sideways,
+            (
+                0.1805 + 0.2,
+                0.047 + 0.0838 * np.cos(0.5) + 0.2 * np.sin(0.5),
+                0.0838 * np.sin(0.5) - 0.2 * np.cos(0.5),
+            ),
+        ),
+    ):
+        np.testing.assert_allclose(mujoco_feet(model, np.tile(pose, 4))[0], foot, atol=1e-9)
+
+
+def test_the_a1s_calf_carries_the_foot_of_the_description():
+    """Two bodies, calf (.151 kg) and foot (a ball of .06 kg), lumped: mass, centre and inertia about the knee."""
+    calf = A1.load_model().body("FL_calf")
+    centre, foot = np.array([0.007105, -0.000239, -0.096933]), np.array([0.0, 0.0, -0.2])
+    assert calf.mass[0] == pytest.approx(0.211)
+    np.testing.assert_allclose(calf.ipos, (0.151 * centre + 0.06 * foot) / 0.211, atol=1e-7)
+    about_y = 0.002360755 + 0.151 * (centre[0] ** 2 + centre[2] ** 2) + 0.4 * 0.06 * 0.02**2 + 0.06 * 0.2**2
+    turn = np.zeros(9)
+    mujoco.mju_quat2Mat(turn, calf.iquat)
+    axes = turn.reshape(3, 3)
+    arm = calf.ipos
+    about_knee = axes @ np.diag(calf.inertia) @ axes.T + calf.mass[0] * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    assert about_knee[1, 1] == pytest.approx(about_y, rel=1e-6)
+
+
+def test_motors_push_no_harder_than_their_limit(robot):
+    model = robot.load_model()
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("stand").id)
+    data.ctrl[:] = np.array(robot.default_joint_position) + 9.0
+    mujoco.mj_forward(model, data)
+    np.testing.assert_allclose(data.actuator_force, robot.torque_limit)
+
+
 def test_the_robot_is_chosen_by_its_name():
     assert find_robot("go2") is GO2 and DEFAULT_ROBOT == "go2"
+    assert find_robot("a1") is A1 and compose_config(["robot=a1", "run=cpu"]).robot.name == "a1"
     assert compose_config([]).robot.name == compose_config(["robot=go2_soft", "run=scratch"]).robot.name == "go2"
     with pytest.raises(ConfigError, match=r"^robot\.name = 'spot': unknown robot; choose one of go2"):
         compose_config(["robot.name=spot"])

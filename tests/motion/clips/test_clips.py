@@ -15,6 +15,7 @@ from camp.motion.clips.clip import Clip, amp_state
 from camp.motion.clips.mirror import mirrored
 from camp.motion.clips.store import load_clip, load_clips, save_clip
 from camp.robots import kinematics
+from camp.robots.a1 import A1
 from camp.robots.go2 import GO2
 from camp.robots.quadruped import FOOT_NAMES, JOINT_NAMES
 
@@ -284,8 +285,8 @@ def test_skill_without_clips(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("folder", ["missing", "."])
 def test_folder_without_clips(tmp_path: Path, folder: str) -> None:
-    with pytest.raises(ClipError, match="no clips in"):
-        load_clips(GO2, tmp_path / folder, ["trot"])
+    with pytest.raises(ClipError, match=r"no clips in .*; generate them with `python -m camp\.dataset --robot a1 "):
+        load_clips(A1, tmp_path / folder, ["trot"])
 
 
 def test_amp_state_is_in_the_papers_order() -> None:

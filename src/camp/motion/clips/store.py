@@ -89,13 +89,13 @@ def load_clips(
     unknown = [split for split in splits if split not in SPLITS]
     if unknown:
         raise ClipError(f"split '{unknown[0]}' is unknown; choose from {', '.join(SPLITS)}")
-    labels = _labels(folder)
+    labels = _labels(robot, folder)
     gaits = {label.gait for label in labels.values() if label.split in splits}
     for skill in skills:
         if skill not in gaits:
             raise ClipError(
                 f"skill '{skill}' has no clip in {folder} (found: {', '.join(sorted(gaits))}); "
-                "generate some with `python -m camp.dataset` or take it out of motion.skills"
+                f"generate some with `{_generation(robot, folder)}` or take it out of motion.skills"
             )
     chosen = [path for path, label in labels.items() if label.gait in skills and label.split in splits]
     return _load(robot, chosen, with_mirrored)
@@ -113,7 +113,7 @@ def load_skill_clips(
     Otherwise as `load_clips`. Raises ClipError where a skill has none; it lists what the folder holds, and what to
     ask for instead.
     """
-    return _load(robot, select(folder, _labels(folder), skills, frequencies_hz), with_mirrored)
+    return _load(robot, select(folder, _labels(robot, folder), skills, frequencies_hz), with_mirrored)
 
 
 def clip_label(path: Path) -> ClipLabel:
@@ -128,12 +128,17 @@ def clip_label(path: Path) -> ClipLabel:
     return ClipLabel(str(arrays["gait"]), split_of(arrays), round(float(frequency), 6))
 
 
-def _labels(folder: Path) -> dict[Path, ClipLabel]:
+def _labels(robot: Robot, folder: Path) -> dict[Path, ClipLabel]:
     folder = Path(folder)
     paths = sorted(folder.glob("*.npz")) if folder.is_dir() else []
     if not paths:
-        raise ClipError(f"no clips in {folder}; generate them with `python -m camp.dataset`")
+        raise ClipError(f"no clips in {folder}; generate them with `{_generation(robot, folder)}`")
     return {path: clip_label(path) for path in paths}
+
+
+def _generation(robot: Robot, folder: Path) -> str:
+    """The command that makes a robot's clips in a folder."""
+    return command("camp.dataset", "--robot", robot.name, "--folder", str(folder))
 
 
 def _load(robot: Robot, paths: Sequence[Path], with_mirrored: bool) -> list[Clip]:
