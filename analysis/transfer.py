@@ -87,9 +87,9 @@ def _draw_right(axes: Axes, results: Sequence[Result]) -> None:
 
 
 def _name(result: Result, results: Sequence[Result]) -> str:
-    several = len({(one.robot, one.policy) for one in results}) > 1
     title = ENGINES[result.engine].title.split(" (")[0].split(",")[0]
-    return f"{title}\n{result.robot} {result.policy}" if several else title
+    who = [getattr(result, name) for name in ("robot", "policy") if len({getattr(one, name) for one in results}) > 1]
+    return "\n".join([title, " ".join(who)]) if who else title
 
 
 def _draw_points(axes: Axes, results: Sequence[Result], values: Callable[[list[Judged]], list[float]]) -> None:

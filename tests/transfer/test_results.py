@@ -67,6 +67,27 @@ def test_the_tables_are_80_columns_wide():
     assert any("140/140" in line for line in lines)
 
 
+def test_two_robots_and_policies_stand_side_by_side_in_80_columns():
+    many = [
+        result(engine, RIGHT, robot=robot, policy=policy)
+        for robot in ("go2", "a1")
+        for policy in ("go2_camp", "a1_camp")
+        for engine in ("mujoco", "sapien", "dart", "drake")
+    ]
+    lines = printed(*many)
+    assert max(map(len, lines)) <= 80 and not any("…" in line for line in lines)
+    assert sum("1/1" in line for line in lines) == len([line for line in lines if "right walks by skill" in line]) > 1
+    alone = printed(*(one for one in many if one.policy == "a1_camp"))
+    assert not any("a1_camp" in line for line in alone) and any(line.split()[:1] == ["a1"] for line in alone)
+    rows = markdown(many).splitlines()[2:]
+    assert [row.split(" | ")[:2] for row in rows[::4]] == [
+        ["| a1", "a1_camp"],
+        ["| a1", "go2_camp"],
+        ["| go2", "a1_camp"],
+        ["| go2", "go2_camp"],
+    ]
+
+
 def test_results_of_another_suite_stand_apart():
     other = result("drake", FAST, suite=STAMP.__class__("full", "x", "b", "c", 0))
     lines = printed(result("dart", RIGHT), other)

@@ -10,7 +10,7 @@ import numpy as np
 from rich.console import Group
 from rich.table import Table
 
-from camp.evaluation.cells import cell, fraction_cells, percent, table
+from camp.evaluation.cells import cell, fitted, fraction_cells, percent, table
 from camp.evaluation.contract import parse_skill
 from camp.evaluation.report import Estimate
 from camp.evaluation.values import fraction, mean
@@ -77,15 +77,16 @@ def tables(results: Sequence[Result]) -> Group:
     shown = ordered(results)
     suites = list(dict.fromkeys((one.suite.name, one.suite.digest) for one in shown))
     parts = [[one for one in shown if (one.suite.name, one.suite.digest) == suite] for suite in suites]
-    return Group(*(table for part in parts for table in _of_suite(part)), EXPLANATION)
+    whole = (table for part in parts for table in _of_suite(part))
+    return Group(*(narrow for one in whole for narrow in fitted(one, TABLE_WIDTH)), EXPLANATION)
 
 
 def _of_suite(results: Sequence[Result]) -> list[Table]:
     stamp = results[0].suite
     engines = table(f"engines, suite {stamp.name} ({stamp.digest})", ("robot", "engine"), HEADINGS)
     for result in results:
-        walker = result.robot if _one_policy(results) else f"{result.robot}\n{result.policy}"
-        engines.add_row(walker, result.engine, *_cells(result))
+        several = len({one.policy for one in results}) > 1
+        engines.add_row(f"{result.robot}\n{result.policy}" if several else result.robot, result.engine, *_cells(result))
     return [engines, _by_skill(results), *_reasons(results)]
 
 
@@ -137,10 +138,8 @@ def _reasons(results: Sequence[Result]) -> list[Table]:
 
 
 def _column(result: Result, results: Sequence[Result]) -> str:
-    """The engine, and where that does not tell results apart also robot and policy."""
-    return result.engine if _one_policy(results) else f"{result.engine}\n{result.robot}\n{result.policy}"
-
-
-def _one_policy(results: Sequence[Result]) -> bool:
-    """Whether all results are of one robot and policy."""
-    return len({(one.robot, one.policy) for one in results}) == 1
+    """The engine, and where that does not tell results apart also robot or policy."""
+    lines = [result.engine]
+    lines += [result.robot] if len({one.robot for one in results}) > 1 else []
+    lines += [result.policy] if len({one.policy for one in results}) > 1 else []
+    return "\n".join(lines)
