@@ -13,15 +13,18 @@ import pytest
 from camp import judge as command
 from camp.cli.key_values import run_command
 from camp.common.errors import CampError
+from camp.common.paths import policies_root
 from camp.deployment.export import export_policy
 from camp.evaluation import labelled
 from camp.evaluation.composing import compose_evaluation
 from camp.evaluation.contact_log import read_log
 from camp.evaluation.contact_report import judge_log
 from camp.evaluation.contract import Term, read_contract
+from camp.evaluation.controllers import robot_of
 from camp.evaluation.expert import judge_expert
 from camp.evaluation.policies import OnnxAnswer
 from camp.evaluation.report import read_report
+from camp.robots.a1 import A1
 from camp.robots.go2 import GO2
 from tests.errors import assert_one_line
 from tests.small_run import small_run
@@ -139,6 +142,19 @@ def test_a_hand_written_generator_is_judged_behind_its_contract(open_loop, tmp_p
     assert "gaits, nominal" in capsys.readouterr().out
 
 
+def test_a_policy_is_judged_on_another_robot_beside_that_ones_clips(open_loop, monkeypatch):
+    asked = []
+    monkeypatch.setattr(command, "expert_motions", lambda robot: asked.append(robot) or [])
+    network = {"policy": str(open_loop / "open_loop.onnx"), "contract": str(open_loop / "open_loop.json")}
+    subject, _ = command._subject("policy", network, False)
+    assert asked.pop() is GO2 and (subject.name, subject.contract.robot) == ("open_loop", "go2")
+    for kind, given in (("policy", network), ("run", {"run": str(policies_root() / "go2_camp")})):
+        own, _ = command._subject(kind, given, False)
+        other, _ = command._subject(kind, given | {"robot": "a1"}, False)
+        assert asked.pop() is A1 and other.name == f"{own.name}_on_a1" and robot_of(other.contract).leg == A1.leg
+        assert other.contract.default_pose == own.contract.default_pose and other.policy == own.policy
+
+
 def test_what_camp_exports_needs_no_contract(tmp_path):
     run = small_run(tmp_path / "run", ["motion.skills=[trot]"])
     answer = OnnxAnswer(export_policy(run, run).model)
@@ -164,6 +180,11 @@ def test_a_policy_that_does_not_fit_is_one_line(open_loop, tmp_path, capsys):
         ([], "nothing to judge: give policy="),
         ([f"policy={policy}", "contrakt=a"], "did you mean contract=?"),
         (["contacts=a.csv", "threshold_n=much"], "threshold_n = 'much': give a number"),
+        (
+            [f"policy={policy}", f"contract={contract}", "robot=spot"],
+            "robot = 'spot': unknown robot; choose one of go2",
+        ),
+        (["expert", "robot=spot"], "robot = 'spot': unknown robot; choose one of go2"),
     ):
         assert run_command(command.judge, [*arguments], "") == 2
         assert_one_line(capsys.readouterr().err, message)

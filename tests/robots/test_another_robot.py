@@ -25,6 +25,7 @@ from camp.envs.observations import position
 from camp.evaluation.composing import compose_evaluation
 from camp.evaluation.contract import contract_on
 from camp.evaluation.controllers import Standing, robot_of
+from camp.evaluation.evaluator import Evaluator, Subject
 from camp.evaluation.policies import contract_of_metadata, contract_of_run
 from camp.evaluation.simulation import on_floor
 from camp.evaluation.suite import stamp
@@ -179,6 +180,17 @@ def test_the_judges_baselines_stand_in_its_pose(robot, config):
     sight: Any = None
     torch.testing.assert_close(standing(sight)[1], torch.tensor(robot.default_joint_position))
     torch.testing.assert_close(on_floor(robot, 2).joint_position[0], torch.tensor(robot.default_joint_position))
+
+
+def test_the_judge_stands_it_on_its_feet(robot, clip, config):
+    values = ["suite=short", "duration_s=3", "discard_s=1", "walks.per_skill=2", "threads=1", "baselines=false"]
+    values += ["parts=[gait,tracking,quality,reference]", "commands=[[0.4,0,0]]", "video_command=0"]
+    subject = Subject("x", contract_of_run("x", config), lambda: Standing(robot))
+    report = Evaluator(compose_evaluation(values), [clip]).judge(subject).report
+    assert (report.suite.robot, report.suite.name) == (SECOND, "custom")
+    assert report.policies["trained"].all.falls == 0 and report.policies["trained"].all.rollouts == 2
+    quality = report.quality["all"]
+    assert quality.torque_at_limit_share == 0.0 and 0.0 < quality.peak_torque_share < 0.5
 
 
 def test_a_policy_can_be_judged_on_another_robot_than_its_own(robot, config):
