@@ -81,10 +81,10 @@ def test_two_robots_and_policies_stand_side_by_side_in_80_columns():
     assert not any("a1_camp" in line for line in alone) and any(line.split()[:1] == ["a1"] for line in alone)
     rows = markdown(many).splitlines()[2:]
     assert [row.split(" | ")[:2] for row in rows[::4]] == [
-        ["| a1", "a1_camp"],
-        ["| a1", "go2_camp"],
         ["| go2", "a1_camp"],
         ["| go2", "go2_camp"],
+        ["| a1", "a1_camp"],
+        ["| a1", "go2_camp"],
     ]
 
 

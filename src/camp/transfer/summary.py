@@ -15,6 +15,7 @@ from camp.evaluation.contract import parse_skill
 from camp.evaluation.report import Estimate
 from camp.evaluation.values import fraction, mean
 from camp.metrics.tracking import velocity_error
+from camp.robots.registry import ROBOTS
 from camp.transfer.engine import ENGINES
 from camp.transfer.results import Judged, Result
 
@@ -67,9 +68,14 @@ def skills_of(results: Sequence[Result]) -> list[str]:
 
 
 def ordered(results: Sequence[Result]) -> list[Result]:
-    """By robot and policy, and within these as ENGINES lists them."""
-    names = list(ENGINES)
-    return sorted(results, key=lambda one: (one.robot, one.policy, names.index(one.engine)))
+    """By robot as the registry lists them, and policy, and within these as ENGINES lists them."""
+    robots = {name: number for number, name in enumerate(ROBOTS)}  # a result may be of one that is not there
+    engines = list(ENGINES)
+
+    def place(one: Result) -> tuple[int, str, str, int]:
+        return robots.get(one.robot, len(robots)), one.robot, one.policy, engines.index(one.engine)
+
+    return sorted(results, key=place)
 
 
 def tables(results: Sequence[Result]) -> Group:
