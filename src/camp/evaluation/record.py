@@ -74,9 +74,9 @@ def _step(run: Run) -> int | None:
     return None if run.config.logger.wandb_mode == "online" else run.iteration + 1
 
 
-def table(skills: Mapping[str, GaitSummary]) -> list[list[Any]]:
+def table(skills: Mapping[str, GaitSummary]) -> list[Any]:
     """Rows of TABLE_COLUMNS."""
-    rows = []
+    rows: list[Any] = []
     for name, skill in skills.items():
         right = skill.gait_accuracy
         interval = [None, None, None] if right is None else [right.value, right.low, right.high]
