@@ -63,7 +63,8 @@ def test_training_run_reads_the_shipped_run_and_makes_one(tmp_path):
 @pytest.mark.slow
 @pytest.mark.dtw
 def test_latent_space_tells_gaits_apart_better_after_training():
-    figures, printed = execute("latent_space", {"ROUNDS = ": "ROUNDS, POINTS = 2, 25"})
+    small = 'PRESET = (*PRESET, "motion.num_preloaded=4000", "algo.skill.hidden=[64,32]")'
+    figures, printed = execute("latent_space", {"ROUNDS = ": f"ROUNDS, POINTS = 4, 25\n{small}"})
     assert figures == 2
     before, after = (float(one) for one in re.findall(r"K-means: accuracy ([\d.]+)%", printed))
     assert after > max(before, 70.0)

@@ -51,8 +51,8 @@ def test_every_ablation_goes_with_the_default_preset(ablation):
 def test_every_study_changes_the_recipe_from_scratch(study):
     plain, changed = compose_config(["run=scratch"]), compose_config(["run=scratch", f"+study={study}"])
     assert changed.variant == study
-    assert (changed.env, changed.algo) != (plain.env, plain.algo)
-    assert (changed.sim, changed.motion, changed.run) == (plain.sim, plain.motion, plain.run)
+    assert (changed.env, changed.algo, changed.sim) != (plain.env, plain.algo, plain.sim)
+    assert (changed.motion, changed.run) == (plain.motion, plain.run)
 
 
 def test_the_papers_ablations_are_there():
@@ -187,14 +187,13 @@ def test_resolving_a_resolved_configuration_changes_nothing():
     assert resolve(OmegaConf.create(OmegaConf.to_yaml(OmegaConf.structured(config)))) == config
 
 
-def test_the_gpu_preset_is_the_recipe_from_scratch_at_four_times_the_robots():
+def test_the_gpu_preset_is_the_recipe_from_scratch_with_the_papers_number_of_robots():
     small, large = compose_config(["run=scratch", "sim=cpu"]), compose_config(["run=gpu", "sim=cpu"])
-    factor = large.sim.num_envs / small.sim.num_envs
-    assert factor == 4.0
+    assert (small.sim.num_envs, large.sim.num_envs) == (256, 4096)
     for name in ("style", "skill"):
         own, other = getattr(small.algo, name), getattr(large.algo, name)
-        assert other.batch_size == factor * own.batch_size
-        own.batch_size = other.batch_size
+        assert other.batch_size * other.updates == 8 * own.batch_size * own.updates
+        own.batch_size, own.updates = other.batch_size, other.updates
     assert large.algo == small.algo and large.env == small.env and large.motion == small.motion
 
 
