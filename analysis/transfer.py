@@ -24,7 +24,7 @@ from camp.transfer.results import Judged, Result, read_results
 from camp.transfer.summary import frequency_ratios, markdown, ordered, skills_of
 
 RESULTS, FIGURE = Path("outputs") / "transfer", "engines.png"
-SIZE = (7.2, 3.6)  # inches
+WIDTH, ROW, REST = 7.2, 0.3, 1.2  # inches: the figure's width, of each result, of titles and legend
 SPREAD = 0.36  # of an engine's row, over which its skills' points lie
 TOLERANCE = 0.15  # of the stride frequency, as the judge has it
 
@@ -42,7 +42,7 @@ def draw_engines(results: Sequence[Result]) -> Figure:
     """Three panels with a row for each result: right walks by skill, stride frequencies, velocity errors."""
     shown = ordered(results)
     with style():
-        figure = new_figure(SIZE)
+        figure = new_figure((WIDTH, REST + ROW * max(len(shown), 4)))
         right, frequency, speed = figure.subplots(1, 3, sharey=True, width_ratios=(1.5, 1.2, 1.0))
         _draw_right(right, shown)
         _draw_points(frequency, shown, frequency_ratios)
