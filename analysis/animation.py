@@ -8,7 +8,6 @@ output is <folder>/figures/switching.gif; that of a shipped policy goes into out
 from __future__ import annotations
 
 import sys
-import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,9 +22,10 @@ from camp.cli.key_values import key_values, run_command
 from camp.common.errors import ConfigError
 from camp.common.files import whole_file
 from camp.common.progress import track
-from camp.deployment.export import export_policy
+from camp.deployment.export import policy_of_run
 from camp.deployment.loop import Memory, Policy
 from camp.deployment.simulated import Robot
+from camp.evaluation.captions import stance_bars
 from camp.robots.quadruped import FOOT_NAMES
 from camp.runs.folder import FIGURES, results_folder
 from camp.sim.rendering import RobotRenderer
@@ -96,12 +96,9 @@ def _row_top(row: int) -> int:
 def _draw_contacts(draw: ImageDraw.ImageDraw, shown: Demonstration, step: int, colours: dict[str, str]) -> None:
     """Stance bars of the last CONTACTS_S; the present is at the right edge."""
     steps = round(CONTACTS_S / shown.period_s)
-    left, right = MARGIN + 20, SIZE[0] - MARGIN
-    for before in range(min(steps, step + 1)):
-        end, begin = (right - round(n * (right - left) / steps) for n in (before, before + 1))
-        for row in np.flatnonzero(shown.contact[step - before]):
-            top = _row_top(int(row))
-            draw.rectangle((begin, top, end - 1, top + 7), fill=colours[shown.skill[step - before]])
+    for at, row, begin, end in stance_bars(shown.contact, step, steps, (MARGIN + 20, SIZE[0] - MARGIN)):
+        top = _row_top(row)
+        draw.rectangle((begin, top, end, top + 7), fill=colours[shown.skill[at]])
 
 
 def write_gif(path: Path, pictures: Sequence[Image.Image], frame_s: float) -> None:
@@ -127,8 +124,7 @@ def animate(arguments: Sequence[str]) -> None:
     given = key_values(arguments, required=["run"], optional=["output"])
     run = Path(given["run"])
     path = Path(given["output"]) if "output" in given else results_folder(run) / FIGURES / "switching.gif"
-    with tempfile.TemporaryDirectory() as folder:
-        policy = Policy(export_policy(run, Path(folder)).model)
+    policy = policy_of_run(run)
     robot = Robot(policy.metadata)
     renderer = RobotRenderer(robot.model, *SIZE)
     shown = demonstrate(policy, robot, one_per_gait(policy.metadata["skills"]))

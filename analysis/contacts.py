@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from analysis.load import SwitchingSequence
 from analysis.style import BAND, GAIT_COLOURS, INK, new_figure, skill_colours, style
+from camp.common.stretches import stretches
 from camp.evaluation.recording import Recording
 from camp.metrics.contact import touchdowns
 from camp.metrics.gait import NO_GAIT, label_over_time
@@ -44,8 +44,7 @@ class ContactDiagram:
 
 def spans(values: list[str], period_s: float) -> list[Span]:
     """Runs of equal names, one name per control step."""
-    bounds = [0, *(i for i in range(1, len(values)) if values[i] != values[i - 1]), len(values)]
-    return [Span(a * period_s, b * period_s, values[a]) for a, b in pairwise(bounds) if b > a]
+    return [Span(begin * period_s, end * period_s, name) for begin, end, name in stretches(values)]
 
 
 def compute_diagram(sequence: SwitchingSequence, touches: tuple[float, ...] | None = None) -> ContactDiagram:

@@ -9,7 +9,6 @@ seconds into <folder>/videos/side_by_side.mp4; that of a shipped policy goes int
 from __future__ import annotations
 
 import sys
-import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -22,7 +21,7 @@ from camp.common.errors import ConfigError
 from camp.common.files import make_folder
 from camp.common.progress import track
 from camp.deploy import SETTLING_S, walk
-from camp.deployment.export import export_policy
+from camp.deployment.export import policy_of_run
 from camp.deployment.loop import Policy
 from camp.evaluation.captions import Take, caption
 from camp.metrics.contact import debounced
@@ -67,8 +66,7 @@ def film(arguments: Sequence[str]) -> None:
     given = key_values(arguments, required=["run"], optional=["seconds", "output"])
     run, seconds = Path(given["run"]), _seconds(given.get("seconds", str(SECONDS)))
     path = Path(given["output"]) if "output" in given else results_folder(run) / VIDEOS / "side_by_side.mp4"
-    with tempfile.TemporaryDirectory() as folder:
-        policy = Policy(export_policy(run, Path(folder)).model)
+    policy = policy_of_run(run)
     renderer = RobotRenderer(find_robot(policy.metadata["robot"]).load_model(), *TILE, smooth=True)
     shown = takes(policy, seconds)
     make_folder(path.parent)

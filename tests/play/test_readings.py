@@ -8,10 +8,11 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from camp.common.stretches import stretches
 from camp.play import diagram as drawing
 from camp.play.clock import Clock
 from camp.play.colours import LEG_COLOURS, PUSH_COLOUR
-from camp.play.diagram import diagram, runs
+from camp.play.diagram import diagram
 from camp.play.readout import FALLEN, readout
 from camp.play.session import Moment
 from camp.play.words import skill_text
@@ -31,8 +32,8 @@ def add(session, stands: tuple[bool, bool, bool, bool], steps: int, pushed: bool
 
 
 def test_stretches_of_equal_values():
-    assert runs("aab") == [(0, 2, "a"), (2, 3, "b")]
-    assert runs([]) == []
+    assert stretches("aab") == [(0, 2, "a"), (2, 3, "b")]
+    assert stretches([]) == []
 
 
 def test_bars_are_the_stances_and_the_present_is_at_the_right(session):

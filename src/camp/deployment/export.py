@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from camp.build import build_robot, load_run
 from camp.common.errors import ConfigError
 from camp.common.files import whole_pair
 from camp.config.schema import Config
+from camp.deployment.loop import Policy
 from camp.deployment.onnx_graph import OPSET, ExportError, largest_difference, policy_graph, require_packages
 from camp.envs.observations import entries_of
 from camp.gaits.skills import names
@@ -102,6 +104,13 @@ def export_policy(run: Path, output: Path) -> Exported:
     except OSError as error:
         raise ConfigError(f"output {output}: {error.strerror or error}; choose a folder that can be written") from error
     return Exported(*paths, difference)
+
+
+def policy_of_run(run: Path) -> Policy:
+    """The latest policy of a run folder as the control loop knows it: exported, nothing is left behind. Raises
+    CampError."""
+    with tempfile.TemporaryDirectory() as folder:
+        return Policy(export_policy(run, Path(folder)).model)
 
 
 def _plausible_observations(actor: GaussianActor) -> Tensor:

@@ -18,6 +18,7 @@ from camp.common.errors import ConfigError
 from camp.common.files import whole_pair
 from camp.config.schema import Config
 from camp.deployment.export import metadata
+from camp.deployment.metadata import ENTRY_SIZES
 from camp.deployment.onnx_graph import ExportError, one_skill_graph
 from camp.robots.motor_order import MOTOR_NAMES
 from camp.robots.quadruped import JOINT_NAMES, NUM_JOINTS
@@ -32,7 +33,6 @@ TERMS = {
     "joint_velocity": "joint_vel_rel",
     "last_action": "last_action",
 }
-SIZES = {"base_angular_velocity": 3, "gravity": 3, "command": 3}  # the others: one for each joint
 
 
 def export_for_unitree(run: Path, output: Path) -> list[Path]:
@@ -103,7 +103,7 @@ def deploy_parameters(config: Config) -> dict[str, Any]:
             TERMS[name]: {
                 "params": {"command_name": "base_velocity"} if name == "command" else {},
                 "clip": None,
-                "scale": [1.0] * SIZES.get(name, NUM_JOINTS),
+                "scale": [1.0] * ENTRY_SIZES[name],
                 "history_length": 1,
             }
             for name in entries[:-1]

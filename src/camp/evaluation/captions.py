@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,8 +83,20 @@ def _draw_contacts(draw: ImageDraw.ImageDraw, size: tuple[int, int], take: Take,
     draw.rectangle((edge, top - row // 2, width, height), fill=PAPER)
     for leg, foot in enumerate(FOOT_NAMES):
         draw.text((edge + row / 2, top + (leg + 0.45) * row), foot, fill=INK, font=font, anchor="lm")
+    for shown, leg, begin, end in stance_bars(take.contact, step, steps, (left, right)):
+        y = top + leg * row
+        draw.rectangle((begin, y, end, y + row - 3), fill=colour(take.skill[shown]))
+
+
+def stance_bars(
+    contact: NDArray[np.bool_], step: int, steps: int, edges: tuple[int, int]
+) -> Iterator[tuple[int, int, int, int]]:
+    """Control step, leg, first and last pixel of every stance in the ``steps`` control steps up to ``step``.
+
+    contact: (T, 4); edges: pixels at the left and the right, where the present is.
+    """
+    left, right = edges
     for before in range(min(steps, step + 1)):
         end, begin = (right - round(n * (right - left) / steps) for n in (before, before + 1))
-        for leg in np.flatnonzero(take.contact[step - before]):
-            y = top + int(leg) * row
-            draw.rectangle((begin, y, end - 1, y + row - 3), fill=colour(take.skill[step - before]))
+        for leg in np.flatnonzero(contact[step - before]):
+            yield step - before, int(leg), begin, end - 1

@@ -16,8 +16,6 @@ SECTIONS = (
     *("policies", "expert", "table_i", "switching", "tracking"),
     *("quality", "reference", "style", "robustness"),
 )
-
-
 TABLE_COLUMNS = ("skill", "walks", "right", "low", "high", "falls", "stride Hz", "velocity error m/s")
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camp.common.errors import CampError
-from camp.deployment.loop import Policy, observe
+from camp.deployment.loop import Memory, Policy
 from camp.lowlevel.messages import Array, Reading
 from camp.lowlevel.state_machine import Body
 from camp.robots.quadruped import JOINT_NAMES
@@ -32,10 +32,7 @@ class Walker:
         self.policy = policy
         metadata = policy.metadata
         self._order = np.array([JOINT_NAMES.index(name) for name in metadata["joint_names"]])
-        self._pose = np.array(metadata["default_pose"], np.float32)
-        self._scale = np.float32(metadata["action_scale"])
-        self._one_hot = {skill: policy.one_hot(skill) for skill in metadata["skills"]}
-        self.start()
+        self._memory = Memory(policy)
 
     @property
     def period_s(self) -> float:
@@ -51,7 +48,7 @@ class Walker:
 
     def start(self) -> None:
         """Forget the last action: the robot stands in the default pose."""
-        self._last_action = np.zeros_like(self._pose)
+        self._memory.clear()
 
     def target(self, reading: Reading, skill: str, velocity: Sequence[float]) -> Array | None:
         """(12,) rad in the order of JOINT_NAMES; None where the policy's answer is no number.
@@ -64,15 +61,10 @@ class Walker:
             angular_velocity=reading.angular_velocity,
             gravity=reading.gravity,
         )
-        wanted = np.array(velocity, np.float32)
         try:
-            answer = self.policy.joint_target(
-                observe(self.policy, ordered, wanted, self._one_hot[skill], self._last_action)
-            )
+            return self._joints(self._memory.target(ordered, skill, velocity))
         except CampError:
             return None
-        self._last_action = (answer - self._pose) / self._scale
-        return self._joints(answer)
 
     def _joints(self, values: Sequence[float] | Array) -> Array:
         """From the policy's order to that of JOINT_NAMES."""

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import signal
 import sys
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -48,13 +47,10 @@ def play(arguments: Sequence[str]) -> None:
 
 def open_session(run: Path) -> Session:
     """The latest policy of a run folder, exported, on its robot. Raises CampError."""
-    from camp.build import load_run  # torch, which takes a while; misspelt arguments need not wait for it
-    from camp.deployment.export import export_policy
-    from camp.deployment.loop import Policy
+    from camp.config.resolve import load_run_config  # torch, which takes a while; misspelt arguments need not wait
+    from camp.deployment.export import policy_of_run
 
-    push_m_s = load_run(run).config.env.push.max_velocity_m_s
-    with tempfile.TemporaryDirectory() as folder:
-        return Session(Policy(export_policy(run, Path(folder)).model), push_m_s)
+    return Session(policy_of_run(run), load_run_config(run).env.push.max_velocity_m_s)
 
 
 def _port(text: str) -> int:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
+from camp.common.stretches import stretches
 from camp.gaits.skills import split_name
 from camp.metrics.gait import NO_GAIT
 from camp.play.colours import ASKED, FAINT, INK, LANE, LEG_COLOURS, OTHER, PUSH_COLOUR
@@ -16,17 +16,6 @@ SHOWN_S = 4.0
 WIDTH, LEFT, LANE_HEIGHT, GAP = 460, 76, 16, 4  # pixels; LEFT: of the names
 AXIS = 16  # pixels below the lanes
 NARROWEST_NAMED = 44  # pixels of a bar that a gait's name fits into
-
-
-def runs(values: Sequence[Any]) -> list[tuple[int, int, Any]]:
-    """Begin, end (exclusive) and value of each stretch of equal values."""
-    found: list[tuple[int, int, Any]] = []
-    for place, value in enumerate(values):
-        if found and found[-1][2] == value:
-            found[-1] = (found[-1][0], place + 1, value)
-        else:
-            found.append((place, place + 1, value))
-    return found
 
 
 def diagram(session: Session) -> str:
@@ -47,7 +36,7 @@ def diagram(session: Session) -> str:
     contacts = session.contacts()[-steps:]
     for leg, (foot, colour) in enumerate(zip(FOOT_NAMES, LEG_COLOURS, strict=True)):
         parts.append(_lane(2 + leg, foot))
-        stances = (stretch for stretch in runs(contacts[:, leg].tolist()) if stretch[2])
+        stances = (stretch for stretch in stretches(contacts[:, leg].tolist()) if stretch[2])
         parts += [_bar(2 + leg, first + begin, first + end, steps, colour) for begin, end, _ in stances]
     parts += [_push(first + place, steps) for place, row in enumerate(rows) if row.pushed]
     parts += [_tick(ago) for ago in range(int(SHOWN_S) + 1)]
@@ -83,7 +72,7 @@ def _bar(lane: int, begin: int, end: int, steps: int, colour: str) -> str:
 def _gaits(lane: int, first: int, steps: int, rows: Sequence[tuple[str, str]]) -> list[str]:
     """Bars of the gaits' stretches, each with its name where that fits. rows: gait and colour."""
     parts = []
-    for begin, end, (gait, colour) in runs(rows):
+    for begin, end, (gait, colour) in stretches(rows):
         if gait == NO_GAIT:
             continue
         parts.append(_bar(lane, first + begin, first + end, steps, colour))

@@ -12,9 +12,7 @@ import numpy as np
 from camp.common.errors import CampError
 
 COLLISION_GROUP = 3  # geoms that are felt but not shown
-SHADOW_SIZE = (
-    2048  # pixels of the shadows' map; the model's 4096 are for a screen and nearly double the time without GPU
-)
+SHADOW_SIZE = 2048  # pixels of the shadows' map; the model's 4096 take nearly twice the time without a GPU
 SMOOTH_SAMPLES = 4  # of each pixel
 
 

@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 
 from camp.common.errors import CampError
 from camp.deployment.loop import Array, Policy, control
+from camp.deployment.simulated import FALL_TILT
 from camp.robots.quadruped import FOOT_NAMES, JOINT_NAMES
 from camp.robots.robot import Robot
 from camp.transfer.description import fused_model
 from camp.transfer.engine import READING_S, Engine, Floats
-
-FALL_TILT = 0.8  # rad, between the trunk's and the world's vertical
 
 
 @dataclass
