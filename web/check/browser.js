@@ -21,3 +21,24 @@ export function launch() {
     args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
   });
 }
+
+/** One page: what it complains of, and which hosts it asks. */
+export class Visit {
+  /** Open an address in a page of its own and wait for a selector, each wait up to `patience` ms. */
+  static async open(browser, url, { settings, patience, ready }) {
+    const page = await browser.newPage(settings);
+    page.setDefaultTimeout(patience);
+    const visit = new this(page);
+    await page.goto(url);
+    await page.waitForSelector(ready);
+    return visit;
+  }
+
+  constructor(page) {
+    this.page = page;
+    this.errors = [];
+    this.hosts = new Set();
+    page.on('pageerror', (error) => this.errors.push(error.message));
+    page.on('request', (request) => this.hosts.add(new URL(request.url()).host));
+  }
+}

@@ -7,7 +7,7 @@
  */
 import assert from 'node:assert/strict';
 import { existsSync, mkdirSync } from 'node:fs';
-import { launch } from './browser.js';
+import { launch, Visit } from './browser.js';
 import { serve } from './server.js';
 
 const DIST = new URL('../dist', import.meta.url).pathname;
@@ -22,23 +22,14 @@ const SIZES = {
 };
 
 /** One page with its waits. All that is read of it is what a person sees. */
-class Visit {
-  static async open(browser, url, settings) {
-    const page = await browser.newPage(settings);
-    page.setDefaultTimeout(PATIENCE_MS);
-    const visit = new Visit(page);
-    page.on('pageerror', (error) => visit.errors.push(error.message));
-    page.on('requestfailed', (request) => visit.errors.push(`${request.url()}: not loaded`));
-    page.on('request', (request) => visit.hosts.add(new URL(request.url()).host));
-    await page.goto(url);
-    await page.waitForSelector('#panel:not([hidden])');
-    return visit;
+class Walk extends Visit {
+  static open(browser, url, settings) {
+    return super.open(browser, url, { settings, patience: PATIENCE_MS, ready: '#panel:not([hidden])' });
   }
 
   constructor(page) {
-    this.page = page;
-    this.errors = [];
-    this.hosts = new Set();
+    super(page);
+    page.on('requestfailed', (request) => this.errors.push(`${request.url()}: not loaded`));
   }
 
   /** Press without waiting for animations to rest: they never do here. */
@@ -129,7 +120,7 @@ async function tryButtons(visit, skills) {
 async function shoot(browser, url, name, skills) {
   const other = skills[Math.floor(skills.length / 2)];
   const { viewport, ...device } = SIZES[name];
-  const visit = await Visit.open(browser, url, { viewport: SMALL, ...device });
+  const visit = await Walk.open(browser, url, { viewport: SMALL, ...device });
   await visit.measured(skills[0]);
   await visit.press(`[data-skill="${other}"]`);
   await visit.measured(other);
@@ -151,7 +142,7 @@ async function main() {
   const server = await serve(DIST, 'camp');
   const browser = await launch();
   try {
-    const visit = await Visit.open(browser, server.url, { viewport: SMALL });
+    const visit = await Walk.open(browser, server.url, { viewport: SMALL });
     const skills = await tryGaits(visit);
     await trySliders(visit, skills);
     await tryButtons(visit, skills);

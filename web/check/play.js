@@ -7,29 +7,16 @@
  */
 import assert from 'node:assert/strict';
 import { mkdirSync } from 'node:fs';
-import { launch } from './browser.js';
+import { launch, Visit } from './browser.js';
 
 const PATIENCE_MS = 300_000;
 const SMALL = { width: 800, height: 440 }; // cheap to draw without a graphics card
 const LARGE = { width: 1280, height: 720 };
 
 /** The page with its waits. All that is read of it is what a person sees. */
-class Visit {
-  static async open(browser, url) {
-    const page = await browser.newPage({ viewport: SMALL });
-    page.setDefaultTimeout(PATIENCE_MS);
-    const visit = new Visit(page);
-    page.on('pageerror', (error) => visit.errors.push(error.message));
-    page.on('request', (request) => visit.hosts.add(new URL(request.url()).host));
-    await page.goto(url);
-    await page.waitForSelector('#readout');
-    return visit;
-  }
-
-  constructor(page) {
-    this.page = page;
-    this.errors = [];
-    this.hosts = new Set();
+class Play extends Visit {
+  static open(browser, url) {
+    return super.open(browser, url, { settings: { viewport: SMALL }, patience: PATIENCE_MS, ready: '#readout' });
   }
 
   /** Wait until the readout's data-<name> passes a test, a function's text. */
@@ -60,7 +47,7 @@ async function main() {
   mkdirSync(shots, { recursive: true });
   const browser = await launch();
   try {
-    const visit = await Visit.open(browser, url);
+    const visit = await Play.open(browser, url);
     await visit.measured('trot_2hz');
     await visit.press('Pace, 3 strides/s');
     await visit.measured('pace_3hz');
