@@ -32,7 +32,7 @@ def interrupt(*_: object, **__: object) -> None:
         ("camp.dataset.judge", lambda: dataset.main(["validate"])),
         ("analysis.__main__.run_folder", lambda: figures.main(["run=a"])),
         ("analysis.seeds.read_report", lambda: seeds.main(["a", "b"])),
-        ("analysis.animation.export_policy", lambda: run_command(animation.animate, ["run=a"], "")),
+        ("analysis.animation.policy_of_run", lambda: run_command(animation.animate, ["run=a"], "")),
     ],
 )
 def test_while_it_works(work, main, monkeypatch, capsys, tmp_path):
