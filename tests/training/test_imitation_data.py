@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 import torch
 
 from camp.build import build_env
@@ -23,6 +24,29 @@ def test_pairs_of_a_clip_by_hand(config, clips):
     assert row[45:].tolist() == [0, 1, 0, 0]
     np.testing.assert_allclose(data.action[9].numpy() * 0.25 + pose, clip.joint_target[t], atol=1e-5)
     assert data.last_action == slice(33, 45)
+
+
+@pytest.mark.parametrize(("delay", "rows", "share"), [(0.02, 1, 0.0), (0.005, 0, 0.25), (0.03, 1, 0.5)])
+def test_late_targets_by_hand(config, clips, delay, rows, share):
+    """The answer is what the expert asks for once it arrives; the last action is what has yet to arrive."""
+    clip = clips[0]
+    config.env.randomization.enabled, config.env.randomization.delay_s = True, [delay, delay]
+    data = imitation_data([clip], config, torch.device("cpu"))
+    assert len(data.action) == len(clip) - 1 - rows - (share > 0)
+    pose, t = np.array(GO2.default_joint_position), 10
+    answer, applied = clip.joint_target[t + rows :], clip.joint_target_applied[t - 1 + rows :]
+    late = (1 - share) * answer[0] + share * answer[1]
+    np.testing.assert_allclose(data.action[t - 1].numpy() * 0.25 + pose, late, atol=1e-5)
+    on_its_way = (1 - share) * applied[0] + share * applied[1]
+    np.testing.assert_allclose(data.observation[t - 1, 33:45].numpy() * 0.25 + pose, on_its_way, atol=1e-5)
+    np.testing.assert_allclose(data.observation[t - 1, 9:21].numpy() + pose, clip.joint_position[t], atol=1e-5)
+
+
+def test_delays_count_only_where_robots_are_randomized(config, clips):
+    prompt = imitation_data(clips, config, torch.device("cpu"))
+    config.env.randomization.enabled, config.env.randomization.delay_s = False, [0.02, 0.02]
+    nominal = imitation_data(clips, config, torch.device("cpu"))
+    assert torch.equal(prompt.observation, nominal.observation) and torch.equal(prompt.action, nominal.action)
 
 
 def test_the_environment_shows_the_same_observation(config, clips):

@@ -27,13 +27,13 @@ def sample_dynamics(num: int, config: RandomizationConfig, generator: torch.Gene
         motor_strength=uniform(config.motor_strength_scale, (num, NUM_JOINTS), generator),
         kp_scale=uniform(config.kp_scale, (num, NUM_JOINTS), generator),
         kd_scale=uniform(config.kd_scale, (num, NUM_JOINTS), generator),
-        delay=_delays(num, config, generator),
+        delay=sample_delays(num, config, generator),
     )
 
 
-def _delays(num: int, config: RandomizationConfig, generator: torch.Generator) -> torch.Tensor:
+def sample_delays(num: int, config: RandomizationConfig, generator: torch.Generator) -> torch.Tensor:
     """(num,) s; nothing is drawn where there are none, so that Table I alone gives the same robots as ever."""
-    if config.delay_s[1] == 0.0:
+    if not config.enabled or config.delay_s[1] == 0.0:
         return torch.zeros(num, device=generator.device)
     return uniform(config.delay_s, (num,), generator)
 

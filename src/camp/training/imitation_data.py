@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import torch
@@ -10,12 +12,16 @@ from torch import Tensor
 
 from camp.algo.imitation import ImitationData
 from camp.build import build_robot
+from camp.common.seeding import generator
 from camp.config.schema import Config
 from camp.envs import observations
+from camp.envs.config import RandomizationConfig
 from camp.envs.measurement import Measurement, rotate_inverse
+from camp.envs.randomization import sample_delays
 from camp.envs.situation import Before, Setup, Situation
 from camp.gaits.skills import label_of
 from camp.motion.clips.clip import Clip
+from camp.robots.quadruped import NUM_JOINTS
 from camp.robots.robot import Robot
 from camp.sim.base import Dynamics
 
@@ -24,50 +30,75 @@ def imitation_data(clips: Sequence[Clip], config: Config, device: torch.device) 
     """Every row but the first of each clip: what the policy would have observed, and the expert's answer to it.
 
     The first row is left out because the action before it is not known. The sensors' noise is left to the training,
-    which draws it anew for every minibatch.
+    which draws it anew for every minibatch. Where ``env.randomization.delay_s`` makes targets reach the motors late,
+    each pair has a delay of its own, and the answer is what the expert asked for by then; a clip's last rows, whose
+    answer would lie behind its end, are left out.
     """
     robot, skills = build_robot(config.robot), config.motion.skill_set()
     entries = observations.entries_of(config.env.observation.policy, len(skills))
     labels = [label_of(clip.gait, clip.frequency_hz, skills) for clip in clips]
     shown = [(clip, label) for clip, label in zip(clips, labels, strict=True) if label is not None]
     setup = Setup(robot, len(skills), config.env.observe_skill, config.robot.action_scale, config.env.control_period_s)
-    situations = [_situation(clip, label, setup, config) for clip, label in shown]
-    observation = torch.cat([observations.observe(entries, situation) for situation in situations])
+    delays = generator(config.seed, "imitation delays")
+    observation, answer = [torch.zeros(0, observations.size(entries))], [torch.zeros(0, NUM_JOINTS)]
+    for clip, label in shown:
+        late = _delays(clip, config.env.randomization, delays)
+        observation.append(observations.observe(entries, _situation(clip, label, late, setup, config)))
+        answer.append(_as_action(robot, _arriving(clip.joint_target[1:], late, clip.dt), config.robot.action_scale))
     noise = config.env.noise
-    answer = _rows(np.concatenate([clip.joint_target[1:] for clip, _ in shown]))
     return ImitationData(
-        observation=observation.to(device),
-        action=_as_action(robot, answer, config.robot.action_scale).to(device),
+        observation=torch.cat(observation).to(device),
+        action=torch.cat(answer).to(device),
         last_action=observations.position(entries, "last_action"),
         sensor_noise=(observations.noise_width(entries, noise) * noise.enabled).to(device),
     )
 
 
-def _situation(clip: Clip, label: int, setup: Setup, config: Config) -> Situation:
-    num = len(clip) - 1
-    quaternion = _rows(clip.base_quaternion[1:])
+def _delays(clip: Clip, config: RandomizationConfig, delays: torch.Generator) -> Tensor:
+    """A delay in s for each row from the second on, (M,); M leaves out rows whose answer may arrive after the clip."""
+    longest = math.ceil(config.delay_s[1] / clip.dt) if config.enabled else 0
+    return sample_delays(max(len(clip) - 1 - longest, 0), config, delays)
+
+
+def _arriving(targets: np.ndarray, delay: Tensor, period: float) -> Tensor:
+    """What the motors are to hold on average in a control step that begins ``delay`` (M,) s after each row, (M, 12).
+
+    targets: (>= M + the longest delay in rows, 12) rad, each held for ``period`` s.
+    """
+    late = delay / period
+    rows = torch.arange(len(late)) + late.long()
+    before, after = _rows(targets)[rows], _rows(targets)[(rows + 1).clamp(max=len(targets) - 1)]
+    return torch.lerp(before, after, late.frac()[:, None])
+
+
+def _situation(clip: Clip, label: int, delay: Tensor, setup: Setup, config: Config) -> Situation:
+    """What surrounds the policy in M rows of a clip from the second on, whose targets arrive ``delay`` (M,) s late."""
+    num = len(delay)
+    shown = slice(1, num + 1)
+    quaternion = _rows(clip.base_quaternion[shown])
     down = torch.tensor([0.0, 0.0, -1.0]).expand(num, 3)
     measurement = Measurement(
-        base_position=_rows(clip.base_position[1:]),
-        linear_velocity=_rows(clip.base_linear_velocity[1:]),
-        angular_velocity=_rows(clip.base_angular_velocity[1:]),
+        base_position=_rows(clip.base_position[shown]),
+        linear_velocity=_rows(clip.base_linear_velocity[shown]),
+        angular_velocity=_rows(clip.base_angular_velocity[shown]),
         gravity=rotate_inverse(quaternion, down),
-        joint_position=_rows(clip.joint_position[1:]),
-        joint_velocity=_rows(clip.joint_velocity[1:]),
-        foot_position=_rows(clip.foot_position[1:]),
-        foot_contact=torch.from_numpy(clip.foot_contact[1:].copy()),
+        joint_position=_rows(clip.joint_position[shown]),
+        joint_velocity=_rows(clip.joint_velocity[shown]),
+        foot_position=_rows(clip.foot_position[shown]),
+        foot_contact=torch.from_numpy(clip.foot_contact[shown].copy()),
         body_force=torch.zeros(num, 5),
     )
-    action = _as_action(setup.robot, _rows(clip.joint_target_applied[:-1]), setup.action_scale)
+    action = _as_action(setup.robot, _arriving(clip.joint_target_applied, delay, clip.dt), setup.action_scale)
+    dynamics = Dynamics.nominal(num, config.env.randomization.nominal_friction, torch.device("cpu"))
     return Situation(
         setup=setup,
         measurement=measurement,
-        command=_rows(np.broadcast_to(clip.command, (num + 1, 3))[1:]),
+        command=_rows(np.broadcast_to(clip.command, (len(clip), 3))[shown]),
         skill=torch.full((num,), label),
         last_action=action,
         average_velocity=measurement.velocity(),
-        dynamics=Dynamics.nominal(num, config.env.randomization.nominal_friction, torch.device("cpu")),
-        before=Before(torch.cat([action[:1], action[:-1]]), _rows(clip.joint_velocity[:-1])),
+        dynamics=replace(dynamics, delay=delay),
+        before=Before(torch.cat([action[:1], action[:-1]]), _rows(clip.joint_velocity[:num])),
     )
 
 
