@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 import torch
+from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
 
 from camp import build
@@ -12,6 +13,7 @@ from camp.common.paths import ablation_root, config_root
 from camp.config.compose import compose_config
 from camp.config.devices import learner_device, simulator_device
 from camp.config.resolve import as_yaml, resolve
+from camp.config.schema import Config
 from camp.sim import choice
 
 PRESETS = sorted(path.stem for path in (config_root() / "run").glob("*.yaml"))
@@ -22,6 +24,21 @@ STUDIES = sorted(path.stem for path in (ablation_root() / "study").glob("*.yaml"
 @pytest.mark.parametrize("preset", PRESETS)
 def test_every_preset_composes(preset):
     assert compose_config([f"run={preset}"]).run.iterations >= 1
+
+
+def keys(values: dict, prefix: str = "") -> set[str]:
+    """The names of all values, those of groups with dots."""
+    found = set()
+    for name, value in values.items():
+        found |= keys(value, f"{prefix}{name}.") if isinstance(value, dict) else {f"{prefix}{name}"}
+    return found
+
+
+def test_every_key_of_the_schema_can_be_set_by_its_plain_name():
+    """A key that conf/ does not hold can only be given with a +, which no page of the documentation does."""
+    with initialize_config_dir(str(config_root()), version_base="1.3"):
+        composed = OmegaConf.to_container(compose("train", overrides=["run=smoke"]))
+    assert keys(OmegaConf.to_container(OmegaConf.structured(Config))) <= keys(composed)
 
 
 def test_the_papers_other_gains_compose_without_imitation():
