@@ -12,12 +12,13 @@ from analysis.data_flow import compute_boxes, draw_data_flow
 from analysis.evaluation_figures import confusion_panel, draw_confusion, draw_robustness
 from analysis.joints import compute_joints, draw_joints, fit, nearest_clip
 from analysis.load import AnalysisError
-from analysis.reports import read_report
 from analysis.sequence import one_skill_of_each_gait
 from analysis.skill_cost import compute_cost, draw_cost
 from camp.common.paths import policies_root, shipped_motions
 from camp.config.compose import compose_config
 from camp.evaluation.expert import recording_of
+from camp.evaluation.report import read_report
+from camp.runs.folder import REPORT
 from camp.metrics.reference import PHASES, mean_stride
 from camp.motion.clips.store import load_clip
 from camp.robots.go2 import GO2
@@ -25,7 +26,7 @@ from camp.robots.go2 import GO2
 
 @pytest.fixture(scope="module")
 def report():
-    return read_report(policies_root() / "go2_camp")
+    return read_report(policies_root() / "go2_camp" / REPORT, "restore it")
 
 
 @pytest.fixture(scope="module")

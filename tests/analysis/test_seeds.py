@@ -99,7 +99,8 @@ def test_a_report_of_an_older_judge_or_a_malformed_one_is_one_line(content, tmp_
     assert f"{tmp_path}/eval.json" in error and "camp.evaluate" in error and error.count("\n") == 1
 
 
-def test_shipped_evaluations_are_read():
+def test_shipped_evaluations_are_read(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # without the user's own evaluations, which would be read instead
     for run in policies_root().iterdir():
         found = read_report(run)
         assert found.suite.name == "v1" and found.table_i is not None and found.verdict
