@@ -18,10 +18,10 @@ from camp.common.paths import policies_root, shipped_motions
 from camp.config.compose import compose_config
 from camp.evaluation.expert import recording_of
 from camp.evaluation.report import read_report
-from camp.runs.folder import REPORT
 from camp.metrics.reference import PHASES, mean_stride
 from camp.motion.clips.store import load_clip
 from camp.robots.go2 import GO2
+from camp.runs.folder import REPORT
 
 
 @pytest.fixture(scope="module")
