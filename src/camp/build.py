@@ -225,7 +225,8 @@ def _build_critic(config: Config, weights: torch.Generator) -> Critic:
 def _observed(config: Config) -> tuple[int, int]:
     """How many numbers the policy observes, and how many the critic besides."""
     num_skills, observed = len(config.motion.skill_set()), config.env.observation
-    return size(entries_of(observed.policy, num_skills)), size(entries_of(observed.critic, num_skills))
+    frame = size(entries_of(observed.policy, num_skills))
+    return observed.history * frame, size(entries_of(observed.critic, num_skills))
 
 
 def build_priors(config: Config, embedding: SkillEmbedding, weights: torch.Generator) -> list[Prior]:

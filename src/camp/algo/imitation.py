@@ -20,9 +20,9 @@ from camp.common.averages import Averages
 class ImitationData:
     """Expert pairs on the actor's device."""
 
-    observation: Tensor  # (M, O) as the environment would give it
+    observation: Tensor  # (M, H O) as the environment would give it: H control steps, the oldest first
     action: Tensor  # (M, A) the expert's clean answer, action units
-    last_action: slice  # where the observation holds the previous action
+    last_action: slice  # where a control step's O numbers hold the previous action
     sensor_noise: Tensor  # (O,) half-width of the uniform noise that the environment's sensors have
 
 
@@ -85,8 +85,9 @@ def _loss(
 
 
 def _noised(observation: Tensor, data: ImitationData, config: ImitationConfig, generator: torch.Generator) -> Tensor:
-    uniform = 2.0 * torch.rand(observation.shape, generator=generator, device=observation.device) - 1.0
-    noised = observation + data.sensor_noise * uniform
-    part = noised[:, data.last_action]
+    frames = observation.unflatten(1, (-1, len(data.sensor_noise)))
+    uniform = 2.0 * torch.rand(frames.shape, generator=generator, device=observation.device) - 1.0
+    noised = frames + data.sensor_noise * uniform
+    part = noised[:, :, data.last_action]
     part += config.last_action_noise * torch.randn(part.shape, generator=generator, device=part.device)
-    return noised
+    return noised.flatten(1)

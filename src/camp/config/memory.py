@@ -29,7 +29,7 @@ def parts(config: Config) -> dict[str, int]:
     Rough, and rather too little than too much: what is refused cannot run.
     """
     skills, observed, run = len(config.motion.skill_set()), config.env.observation, config.run
-    inputs = size(entries_of(observed.policy, skills)) + size(entries_of(observed.critic, skills))
+    inputs = observed.history * size(entries_of(observed.policy, skills)) + size(entries_of(observed.critic, skills))
     motion = len(config.env.transition_ages) * AMP_STATE_SIZE
     step = 2 * inputs + motion + 3 * NUM_JOINTS + 20
     robots, samples = config.sim.num_envs, run.rollout_steps * config.sim.num_envs

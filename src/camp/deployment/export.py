@@ -75,6 +75,7 @@ def metadata(config: Config) -> dict[str, Any]:
             {"name": entry.name, "size": entry.size, "unit": entry.unit}
             for entry in entries_of(config.env.observation.policy, len(skills))
         ],
+        "history": config.env.observation.history,
         "observe_skill": config.env.observe_skill,
         "camp_version": __version__,
         "opset": OPSET,

@@ -34,7 +34,7 @@ class Policy:
         except CampError as error:
             raise CampError(f"policy {path}: {error}") from error
         shapes = [(one.name, one.shape[-1:]) for one in (*self._session.get_inputs(), *self._session.get_outputs())]
-        observed = sum(entry["size"] for entry in self.metadata["observation"])
+        observed = self.metadata["history"] * sum(entry["size"] for entry in self.metadata["observation"])
         expected = [("obs", [observed]), ("joint_target", [len(self.metadata["joint_names"])])]
         if shapes != expected:
             raise CampError(f"policy {path}: maps {shapes}, its metadata say {expected}; export it again")
@@ -54,7 +54,7 @@ class Policy:
         return [min(max(value, low), high) for value, (low, high) in zip(command, ranges.values(), strict=True)]
 
     def joint_target(self, observation: Array) -> Array:
-        """(45 + K,) -> (12,) rad. Raises CampError for an answer that is no number."""
+        """(H (45 + K),) of H control steps -> (12,) rad. Raises CampError for an answer that is no number."""
         (answer,) = self._session.run(None, {"obs": observation[None]})
         target = np.asarray(answer, dtype=np.float32)[0]
         if not np.isfinite(target).all():
@@ -96,7 +96,8 @@ class Body(Readings, Protocol):
 
 
 def observe(policy: Policy, body: Readings, command: Array, skill: Array, last_action: Array) -> Array:
-    """The policy's observation, (45 + K,): raw readings in SI units, in the order that the metadata names."""
+    """One control step of the policy's observation, (45 + K,): raw readings in SI units, in the order that the metadata
+    names."""
     entries = {
         "base_angular_velocity": body.angular_velocity,
         "gravity": body.gravity,
@@ -110,7 +111,7 @@ def observe(policy: Policy, body: Readings, command: Array, skill: Array, last_a
 
 
 class Memory:
-    """What the loop keeps of a policy from one control step to the next: the last action."""
+    """What the loop keeps of a policy from one control step to the next: the last action and what it has observed."""
 
     def __init__(self, policy: Policy):
         self._policy = policy
@@ -119,8 +120,9 @@ class Memory:
         self.clear()
 
     def clear(self) -> None:
-        """Forget the last action: the robot stands in the default pose."""
+        """Forget both: the robot stands in the default pose."""
         self._last_action = np.zeros_like(self._pose)
+        self._frames: list[Array] = []
 
     def target(self, body: Readings, skill: str, command: Sequence[float]) -> Array:
         """The next joint target, (12,) rad.
@@ -129,7 +131,10 @@ class Memory:
         an answer that is not finite.
         """
         wanted, one_hot = np.array(command, np.float32), self._policy.one_hot(skill)
-        target = self._policy.joint_target(observe(self._policy, body, wanted, one_hot, self._last_action))
+        frame = observe(self._policy, body, wanted, one_hot, self._last_action)
+        history = self._policy.metadata["history"]
+        self._frames = [*(self._frames or [frame] * history), frame][-history:]  # the oldest first
+        target = self._policy.joint_target(np.concatenate(self._frames))
         self._last_action = (target - self._pose) / self._scale
         return target
 

@@ -13,6 +13,7 @@ from camp.robots.quadruped import JOINT_NAMES, NUM_JOINTS
 from camp.robots.registry import DEFAULT_ROBOT, ROBOTS
 
 LONGEST_PERIOD = 0.1  # s; a gait of 3 strides per second cannot be controlled, nor its contacts seen, more slowly
+LONGEST_HISTORY = 100  # control steps that an observation holds
 COMMANDS = ("vx_m_s", "vy_m_s", "yaw_rate_rad_s")
 ENTRY_SIZES = {
     "base_angular_velocity": 3,
@@ -27,9 +28,9 @@ ENTRY_SIZES = {
 def read_metadata(properties: Mapping[str, str]) -> dict[str, Any]:
     """A model's ``metadata_props``, each value as JSON, as plain values that fit the robot. Raises CampError.
 
-    A policy that names no robot is older than their names.
+    A policy that names no robot or no history is older than these keys.
     """
-    metadata: dict[str, Any] = {"robot": DEFAULT_ROBOT}
+    metadata: dict[str, Any] = {"robot": DEFAULT_ROBOT, "history": 1}
     for key, text in properties.items():
         try:
             metadata[key] = read_json(text)
@@ -93,5 +94,6 @@ _EXPECTED = {
     "control_period": (lambda v: _positive(v) and v <= LONGEST_PERIOD, f"in (0, {LONGEST_PERIOD:g}] s"),
     "skills": (_texts, "a list of names"),
     "observation": (lambda v: isinstance(v, list), "a list of entries"),
+    "history": (lambda v: type(v) is int and 1 <= v <= LONGEST_HISTORY, f"a number from 1 to {LONGEST_HISTORY}"),
     "observe_skill": (lambda v: isinstance(v, bool), "true or false"),
 }

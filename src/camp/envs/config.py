@@ -25,6 +25,7 @@ GrowthSeconds = Annotated[float, Within(0.001, 1e7, "s; a third of a year of eac
 FallRate = Annotated[float, Within(0.0, 1000.0, "per 1000 steps")]
 ControlPeriod = Annotated[float, Within(0.001, 0.1, "s; slower nobody controls a gait of 3 strides per second")]
 Age = Annotated[int, Within(0, 1000, "control steps; 20 s at 50 Hz")]
+Frames = Annotated[int, Within(1, 100, "control steps; 2 s at 50 Hz")]
 
 
 @dataclass
@@ -57,6 +58,7 @@ class ObservationConfig:
             "skill",
         ]
     )
+    history: Frames = 1  # control steps whose entries the policy sees, the oldest first
     critic: list[str] = field(  # besides what the policy observes, without noise
         default_factory=lambda: [
             "base_linear_velocity",

@@ -77,7 +77,8 @@ class QuadrupedEnv(VectorEnv):
         self.actor_entries = observations.entries_of(config.observation.policy, self.num_skills)
         self.privileged_entries = observations.entries_of(config.observation.critic, self.num_skills)
         self.metadata = {"autoreset_mode": AutoresetMode.SAME_STEP}
-        self.single_observation_space = _box(observations.size(self.actor_entries))
+        self._frame = observations.size(self.actor_entries)  # numbers of one control step
+        self.single_observation_space = _box(config.observation.history * self._frame)
         self.single_action_space = _box(NUM_JOINTS)
         self.observation_space = gym.vector.utils.batch_space(self.single_observation_space, self.num_envs)
         self.action_space = gym.vector.utils.batch_space(self.single_action_space, self.num_envs)
@@ -105,7 +106,7 @@ class QuadrupedEnv(VectorEnv):
         self.num_diverged = torch.zeros((), dtype=torch.int64, device=device)  # simulations since construction
         self.first_diverged = FirstCase(device)
         self.default_pose = constant(self.robot.default_joint_position, self.command)
-        self.observation = torch.zeros(num, observations.size(self.actor_entries), device=device)
+        self.observation = torch.zeros(num, config.observation.history * self._frame, device=device)
         self.privileged = torch.zeros(num, observations.size(self.privileged_entries), device=device)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Tensor, dict[str, Any]]:
@@ -179,7 +180,8 @@ class QuadrupedEnv(VectorEnv):
 
         self._draw_commands()
         situation = replace(situation, command=self.command, skill=self.skill)
-        final_observation, final_privileged = self._observe(situation)
+        frame, final_privileged = self._observe(situation)
+        final_observation = torch.cat([self.observation[:, self._frame :], frame], dim=1)
         self.observation, self.privileged = final_observation, final_privileged
         self._begin(terminated | truncated)
         return Step(
@@ -208,7 +210,8 @@ class QuadrupedEnv(VectorEnv):
         self.command, self.skill = command.clone(), skill.clone()
         if self.config.command.source == EXTERNAL:
             self._take_starts(replace(self._starts, command=self.command, skill=self.skill))
-        self.observation, self.privileged = self._observe(self._situation(measure(self.robot, self.sim.state)))
+        frame, self.privileged = self._observe(self._situation(measure(self.robot, self.sim.state)))
+        self.observation = torch.cat([self.observation[:, : -self._frame], frame], dim=1)
         return self.observation
 
     def state_dict(self) -> dict[str, Any]:
@@ -293,7 +296,8 @@ class QuadrupedEnv(VectorEnv):
             starts.dynamics,
             Before(action, measurement.joint_velocity),
         )
-        self._starts_observed = _Observed(*self._observe(situation))
+        frame, privileged = self._observe(situation)
+        self._starts_observed = _Observed(frame.repeat(1, self.config.observation.history), privileged)
 
     def _begin(self, mask: Tensor) -> None:
         """Begin an episode with the robots of ``mask`` (N,) bool."""
@@ -369,14 +373,13 @@ class QuadrupedEnv(VectorEnv):
         )
 
     def _observe(self, situation: Situation) -> tuple[Tensor, Tensor]:
-        """The policy's observation with sensor noise, and the critic's privileged part without."""
-        observation = observations.observe(self.actor_entries, situation)
+        """This control step's frame of the policy's observation, with sensor noise, and the critic's privileged part
+        without."""
+        frame = observations.observe(self.actor_entries, situation)
         if self.config.noise.enabled:
-            observation += (
-                self.difficulty * self._noise * uniform((-1.0, 1.0), tuple(observation.shape), self._generator)
-            )
+            frame += self.difficulty * self._noise * uniform((-1.0, 1.0), tuple(frame.shape), self._generator)
         privileged = observations.observe(self.privileged_entries, situation)
-        return _bounded(observation), _bounded(privileged)
+        return _bounded(frame), _bounded(privileged)
 
 
 # Tensors that, with the dynamics, the simulator and the generator, make up the environment's state.

@@ -44,6 +44,7 @@ def contract_of_run(name: str, config: Config) -> Contract:
         kd=list(config.robot.kd) * NUM_LEGS,
         output=Output(scale=config.robot.action_scale, offset=pose),
         observation=[Term(name) for name in entries],
+        history=config.env.observation.history,
     )
 
 
@@ -65,6 +66,7 @@ def contract_of_metadata(name: str, metadata: Mapping[str, Any]) -> Contract:
         kd=metadata["kd"],
         output=Output(),
         observation=[last_action if term.term == "last_action" else term for term in terms],
+        history=metadata["history"],
     )
 
 

@@ -31,7 +31,7 @@ def imitation_data(clips: Sequence[Clip], config: Config, device: torch.device) 
 
     The first row is left out because the action before it is not known. The sensors' noise is left to the training,
     which draws it anew for every minibatch. Where ``env.randomization.delay_s`` makes targets reach the motors late,
-    each pair has a delay of its own, and the answer is what the expert asked for by then; a clip's last rows, whose
+    each clip has a delay of its own, and the answer is what the expert asked for by then; a clip's last rows, whose
     answer would lie behind its end, are left out.
     """
     robot, skills = build_robot(config.robot), config.motion.skill_set()
@@ -40,10 +40,12 @@ def imitation_data(clips: Sequence[Clip], config: Config, device: torch.device) 
     shown = [(clip, label) for clip, label in zip(clips, labels, strict=True) if label is not None]
     setup = Setup(robot, len(skills), config.env.observe_skill, config.robot.action_scale, config.env.control_period_s)
     delays = generator(config.seed, "imitation delays")
-    observation, answer = [torch.zeros(0, observations.size(entries))], [torch.zeros(0, NUM_JOINTS)]
+    width = config.env.observation.history * observations.size(entries)
+    observation, answer = [torch.zeros(0, width)], [torch.zeros(0, NUM_JOINTS)]
     for clip, label in shown:
         late = _delays(clip, config.env.randomization, delays)
-        observation.append(observations.observe(entries, _situation(clip, label, late, setup, config)))
+        frames = observations.observe(entries, _situation(clip, label, late, setup, config))
+        observation.append(_with_history(frames, config.env.observation.history))
         answer.append(_as_action(robot, _arriving(clip.joint_target[1:], late, clip.dt), config.robot.action_scale))
     noise = config.env.noise
     return ImitationData(
@@ -55,9 +57,17 @@ def imitation_data(clips: Sequence[Clip], config: Config, device: torch.device) 
 
 
 def _delays(clip: Clip, config: RandomizationConfig, delays: torch.Generator) -> Tensor:
-    """A delay in s for each row from the second on, (M,); M leaves out rows whose answer may arrive after the clip."""
+    """The clip's delay in s for each row from the second on, (M,), without rows whose answer may arrive after the
+    clip."""
     longest = math.ceil(config.delay_s[1] / clip.dt) if config.enabled else 0
-    return sample_delays(max(len(clip) - 1 - longest, 0), config, delays)
+    return sample_delays(1, config, delays).expand(max(len(clip) - 1 - longest, 0))
+
+
+def _with_history(frames: Tensor, history: int) -> Tensor:
+    """The last ``history`` rows up to each row of ``frames`` (M, O), the oldest first, (M, history O); the first row
+    stands for those before it, as where an episode begins."""
+    row = torch.arange(len(frames))
+    return torch.cat([frames[(row - age).clamp(min=0)] for age in reversed(range(history))], dim=1)
 
 
 def _arriving(targets: np.ndarray, delay: Tensor, period: float) -> Tensor:
