@@ -40,7 +40,7 @@ SHIPPED = policies_root() / "go2_camp"
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory) -> Path:
-    return small_run(tmp_path_factory.mktemp("run"))
+    return small_run(tmp_path_factory.mktemp("run"), ["env.observation.history=2"])
 
 
 @pytest.fixture(scope="module")
@@ -191,6 +191,7 @@ def test_input_that_cannot_be_used_is_one_line(policy, run, capfd, arguments, me
         ("action_scale", "0", "metadata action_scale = 0: not a finite number above 0"),
         ("joint_names", json.dumps(["FL_hip"] * 12), "not the robot's 12 joints"),
         ("skills", "3", "metadata skills = 3: not a list of names"),
+        ("history", "0", "metadata history = 0: not a number from 1 to 100"),
         ("observe_skill", '"no"', "metadata observe_skill = 'no': not true or false"),
         ("observation", "{}", "metadata observation = {}: not a list of entries"),
         (
@@ -199,7 +200,7 @@ def test_input_that_cannot_be_used_is_one_line(policy, run, capfd, arguments, me
             "none of what this loop reads from its robot (base_angular",
         ),
         ("observation", '[{"name": "gravity", "size": 4}]', "its size is not 3"),
-        ("observation", '[{"name": "gravity", "size": 3}]', "maps [('obs', [49]), ('joint_target', [12])]"),
+        ("observation", '[{"name": "gravity", "size": 3}]', "maps [('obs', [98]), ('joint_target', [12])]"),
         ("control_period", "0.022", "metadata control_period = 0.022: no multiple of the physics timestep, 0.005 s"),
         ("control_period", "0.001", "metadata control_period = 0.001: no multiple of the physics timestep, 0.005 s"),
         ("control_period", "-0.02", "metadata control_period = -0.02: not in (0, 0.1] s"),

@@ -215,6 +215,12 @@ def test_unitrees_controllers_get_a_policy_for_each_skill(run, loaded, tmp_path,
         assert list(told["observations"])[:3] == ["base_ang_vel", "projected_gravity", "velocity_commands"]
 
 
+def test_unitrees_controllers_show_a_policy_one_control_step(tmp_path, capsys):
+    run = small_run(tmp_path, ["env.observation.history=2"])
+    assert run_command(export, [f"run={run}", "controller=unitree"], None) == 2
+    assert "env.observation.history = 2" in capsys.readouterr().err
+
+
 def test_what_unitrees_controllers_do_not_observe_is_told(tmp_path, capsys):
     other = small_run(tmp_path / "run", ["env.observation.policy=[gravity,skill,command]"])
     assert run_command(export, [f"run={other}", "controller=unitree"], None) == 2

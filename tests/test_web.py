@@ -77,11 +77,13 @@ def observations(policy: deploy.Policy) -> list[dict[str, Any]]:
     metadata, robot = policy.metadata, deploy.Robot(policy.metadata)
     pose = np.array(metadata["default_pose"], np.float32)
     command, last_action = np.array([0.5, -0.1, 0.3], np.float32), np.zeros_like(pose)
-    found = []
+    found: list[dict[str, Any]] = []
+    frames: list[deploy.Array] = []
     for step in range(25):
         skill = metadata["skills"][step % len(metadata["skills"])]
         observation = deploy.observe(policy, robot, command, policy.one_hot(skill), last_action)
-        target = policy.joint_target(observation)
+        frames = policy.remembered(frames, observation)
+        target = policy.joint_target(np.concatenate(frames))
         state = {"qpos": robot.data.qpos, "qvel": robot.data.qvel, "command": command, "last_action": last_action}
         answer = {"observation": observation, "joint_target": target, "velocity": robot.velocity}
         found.append({"skill": skill} | {name: value.tolist() for name, value in (state | answer).items()})

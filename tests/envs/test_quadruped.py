@@ -39,6 +39,33 @@ def test_shapes_and_spaces(config, clips):
     assert info["final_obs"].shape == (8, 49)
 
 
+def test_history_holds_the_last_control_steps_the_oldest_first(config, clips):
+    single = make(copy.deepcopy(config), clips)
+    config.env.observation.history = 3
+    env = make(config, clips)
+    assert env.observation.shape == env.observation_space.shape == (8, 3 * 49)
+    frames = [single.observation] * 3  # an episode's first step stands for those before it
+    for _ in range(4):
+        torch.testing.assert_close(env.observation, torch.cat(frames[-3:], dim=1), rtol=0, atol=0)
+        step = env.advance(ZERO)
+        frames.append(single.advance(ZERO).final_observation)
+        torch.testing.assert_close(step.final_observation, torch.cat(frames[-3:], dim=1), rtol=0, atol=0)
+        assert not step.terminated.any()
+    before = env.observation.clone()
+    env.set_command(env.command + 0.1, env.skill)
+    assert torch.equal(env.observation[:, :98], before[:, :98])
+    torch.testing.assert_close(env.observation[:, 98 + 6 : 98 + 9], before[:, 98 + 6 : 98 + 9] + 0.1)
+
+
+def test_an_episode_begins_without_the_history_of_the_one_before(config, clips):
+    config.env.observation.history = 2
+    env = make(config, clips)
+    env.advance(ZERO)
+    step = env.advance(ZERO, give_up=torch.ones(8, dtype=torch.bool))
+    assert torch.equal(step.observation[:, :49], step.observation[:, 49:])
+    assert not torch.equal(step.final_observation[:, :49], step.final_observation[:, 49:])
+
+
 def test_skill_count_sets_the_observation(config, clips):
     config.motion.skills = ["trot", "bound"]
     assert make(config, clips).observation.shape == (8, 45 + 2)

@@ -20,11 +20,14 @@ def test_targets_are_those_of_the_policys_own_loop(shipped):
     walker, state = Walker(shipped), reading(tilt=0.1, position=POSITION)
     first = walker.target(state, "pace_2hz", (0.5, 0.0, 0.1))
     velocity, skill = np.array([0.5, 0.0, 0.1], np.float32), shipped.one_hot("pace_2hz")
-    expected = shipped.joint_target(observe(shipped, state, velocity, skill, np.zeros(12, np.float32)))
+    frame = observe(shipped, state, velocity, skill, np.zeros(12, np.float32))
+    frames = shipped.remembered([], frame)
+    expected = shipped.joint_target(np.concatenate(frames))
     np.testing.assert_array_equal(first, expected)
     second = walker.target(state, "pace_2hz", (0.5, 0.0, 0.1))
     action = (expected - np.array(shipped.metadata["default_pose"], np.float32)) / np.float32(0.25)
-    again = shipped.joint_target(observe(shipped, state, velocity, skill, action))
+    frames = shipped.remembered(frames, observe(shipped, state, velocity, skill, action))
+    again = shipped.joint_target(np.concatenate(frames))
     np.testing.assert_allclose(second, again, atol=1e-6)
     walker.start()
     np.testing.assert_array_equal(walker.target(state, "pace_2hz", (0.5, 0.0, 0.1)), expected)
@@ -49,6 +52,9 @@ class Echo:
 
     def one_hot(self, skill: str) -> np.ndarray:
         return np.ones(1, np.float32)
+
+    def remembered(self, frames: list[np.ndarray], frame: np.ndarray) -> list[np.ndarray]:
+        return [frame]
 
     def joint_target(self, observation: np.ndarray) -> np.ndarray:
         if self.broken:

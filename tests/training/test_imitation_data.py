@@ -42,6 +42,16 @@ def test_late_targets_by_hand(config, clips, delay, rows, share):
     np.testing.assert_allclose(data.observation[t - 1, 9:21].numpy() + pose, clip.joint_position[t], atol=1e-5)
 
 
+def test_history_by_hand(config, clips):
+    config.env.observation.history = 3
+    data = imitation_data([clips[0]], config, torch.device("cpu"))
+    pose = np.array(GO2.default_joint_position)
+    for row, seen in ((9, (8, 9, 10)), (1, (1, 1, 2)), (0, (1, 1, 1))):  # a clip's first row is not among the pairs
+        position = data.observation[row].unflatten(0, (3, 49))[:, 9:21].numpy() + pose
+        np.testing.assert_allclose(position, clips[0].joint_position[list(seen)], atol=1e-5)
+    assert data.last_action == slice(33, 45) and data.sensor_noise.shape == (49,)
+
+
 def test_delays_count_only_where_robots_are_randomized(config, clips):
     prompt = imitation_data(clips, config, torch.device("cpu"))
     config.env.randomization.enabled, config.env.randomization.delay_s = False, [0.02, 0.02]

@@ -1,7 +1,7 @@
 /** What the policy is told at each control step. */
 
 /**
- * The observation, Float32Array (45 + K): raw readings in SI units, in the order that the metadata name.
+ * One control step of the observation, Float32Array (45 + K): raw readings in SI units, in the order that the metadata name.
  * readings: the robot's own, by entry; command: vx, vy in m/s and yaw rate in rad/s; lastAction: (12,); skill: a name.
  */
 export function observe(metadata, readings, command, lastAction, skill) {
@@ -15,6 +15,11 @@ export function observe(metadata, readings, command, lastAction, skill) {
     skill: oneHot(metadata, skill),
   };
   return Float32Array.from(metadata.observation.flatMap(({ name, size }) => checked(name, size, entries[name])));
+}
+
+/** The last `history` control steps, the oldest first; the first one stands for those before it. */
+export function remembered(frames, frame, history) {
+  return [...(frames.length ? frames : Array(history).fill(frame)), frame].slice(-history);
 }
 
 /** The entry `skill`, (K,): zeros for a policy that does not observe it. */

@@ -1,6 +1,6 @@
 import { debounced, WalkLog } from './contacts.js';
 import { measureGait } from './gait.js';
-import { observe } from './observation.js';
+import { observe, remembered } from './observation.js';
 import { performed } from './skills.js';
 
 const KEPT_S = 8; // of the walk's log
@@ -26,6 +26,7 @@ export class Walker {
     this.robot.stand();
     this.log.clear();
     this.lastAction = new Float32Array(this.metadata.default_pose.length);
+    this.frames = [];
     this.substep = 0;
     this.fallen = false;
     this.pushed = false;
@@ -52,11 +53,11 @@ export class Walker {
       this.robot.aim(readings.jointPosition); // nothing but the motors' damping: it sinks to the ground
       return;
     }
-    const target = await this.policy.jointTarget(
-      observe(this.metadata, readings, this.command, this.lastAction, this.skill),
-    );
+    const { default_pose: pose, action_scale: scale, history } = this.metadata;
+    const frame = observe(this.metadata, readings, this.command, this.lastAction, this.skill);
+    this.frames = remembered(this.frames, frame, history);
+    const target = await this.policy.jointTarget(Float32Array.from(this.frames.flatMap((one) => [...one])));
     this.robot.aim(target);
-    const { default_pose: pose, action_scale: scale } = this.metadata;
     this.lastAction = target.map((angle, i) => (angle - pose[i]) / scale);
   }
 

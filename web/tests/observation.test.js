@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { observe } from '../src/observation.js';
+import { observe, remembered } from '../src/observation.js';
 import { golden, metadata, newRobot, newWalker } from './load.js';
 
 const skip = !golden && 'needs tests/test_web.py';
@@ -13,17 +13,27 @@ function largestDifference(found, expected) {
 test('observation, joint targets and velocity are those of camp.deploy', { skip }, async (t) => {
   const { robot, policy } = await newWalker();
   const largest = { observation: 0, joint_target: 0, velocity: 0 };
+  let frames = [];
   for (const state of golden.observations) {
     robot.data.qpos.set(state.qpos);
     robot.data.qvel.set(state.qvel);
     const observation = observe(metadata, robot.readings(), state.command, state.last_action, state.skill);
-    const answers = { observation, joint_target: await policy.jointTarget(observation), velocity: robot.velocity() };
+    frames = remembered(frames, observation, metadata.history);
+    const target = await policy.jointTarget(Float32Array.from(frames.flatMap((one) => [...one])));
+    const answers = { observation, joint_target: target, velocity: robot.velocity() };
     for (const [name, value] of Object.entries(answers)) {
       largest[name] = Math.max(largest[name], largestDifference([...value], state[name]));
     }
   }
   t.diagnostic(`${golden.observations.length} states, largest differences ${JSON.stringify(largest)}`);
   for (const [name, difference] of Object.entries(largest)) assert.ok(difference < 1e-5, name);
+});
+
+test('the policy sees the last control steps, the oldest first, and the first one for those before it', () => {
+  let frames = [];
+  const seen = [1, 2, 3, 4].map((frame) => (frames = remembered(frames, frame, 3)));
+  assert.deepEqual(seen, [[1, 1, 1], [1, 1, 2], [1, 2, 3], [2, 3, 4]]);
+  assert.deepEqual(remembered([5], 6, 1), [6]);
 });
 
 test('entries are in the order of the metadata, and a skill that is not observed is zeros', () => {

@@ -53,6 +53,11 @@ class Policy:
             return list(command)
         return [min(max(value, low), high) for value, (low, high) in zip(command, ranges.values(), strict=True)]
 
+    def remembered(self, frames: Sequence[Array], frame: Array) -> list[Array]:
+        """The control steps that the policy sees, the oldest first, after one more; the first stands for those before."""
+        history = self.metadata["history"]
+        return [*(frames or [frame] * history), frame][-history:]
+
     def joint_target(self, observation: Array) -> Array:
         """(H (45 + K),) of H control steps -> (12,) rad. Raises CampError for an answer that is no number."""
         (answer,) = self._session.run(None, {"obs": observation[None]})
@@ -132,8 +137,7 @@ class Memory:
         """
         wanted, one_hot = np.array(command, np.float32), self._policy.one_hot(skill)
         frame = observe(self._policy, body, wanted, one_hot, self._last_action)
-        history = self._policy.metadata["history"]
-        self._frames = [*(self._frames or [frame] * history), frame][-history:]  # the oldest first
+        self._frames = self._policy.remembered(self._frames, frame)
         target = self._policy.joint_target(np.concatenate(self._frames))
         self._last_action = (target - self._pose) / self._scale
         return target

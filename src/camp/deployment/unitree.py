@@ -72,6 +72,11 @@ def deploy_parameters(config: Config) -> dict[str, Any]:
             f"env.observation.policy = {', '.join(entries)}: Unitree's controllers observe {', '.join(TERMS)}, and the "
             "skill must come last to be left out; train with these"
         )
+    if config.env.observation.history > 1:
+        raise ExportError(
+            f"env.observation.history = {config.env.observation.history}: Unitree's controllers put the control steps of "
+            "each term side by side, which this policy does not; train with 1"
+        )
     robot, command = build_robot(config.robot), config.env.command
     pose, scale = list(robot.default_joint_position), [config.robot.action_scale] * NUM_JOINTS
     return {
