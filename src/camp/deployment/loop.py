@@ -54,7 +54,8 @@ class Policy:
         return [min(max(value, low), high) for value, (low, high) in zip(command, ranges.values(), strict=True)]
 
     def remembered(self, frames: Sequence[Array], frame: Array) -> list[Array]:
-        """The control steps that the policy sees, the oldest first, after one more; the first stands for those before."""
+        """The control steps that the policy sees, the oldest first, after one more. The first one stands for those
+        before it."""
         history = self.metadata["history"]
         return [*(frames or [frame] * history), frame][-history:]
 

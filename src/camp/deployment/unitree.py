@@ -74,8 +74,8 @@ def deploy_parameters(config: Config) -> dict[str, Any]:
         )
     if config.env.observation.history > 1:
         raise ExportError(
-            f"env.observation.history = {config.env.observation.history}: Unitree's controllers put the control steps of "
-            "each term side by side, which this policy does not; train with 1"
+            f"env.observation.history = {config.env.observation.history}: Unitree's controllers put the control steps "
+            "of each term side by side, which this policy does not; train with 1"
         )
     robot, command = build_robot(config.robot), config.env.command
     pose, scale = list(robot.default_joint_position), [config.robot.action_scale] * NUM_JOINTS
