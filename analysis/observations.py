@@ -14,7 +14,9 @@ RR, joints per leg hip, thigh, calf. Everything is in SI units with scale 1: the
 
 ## Policy: 45 + K = {actor_size} numbers for K = {num_skills} skills
 
-The paper prints 48, which its list of entries gives for K = 3; with its four gaits it is 49.
+The paper prints 48, which its list of entries gives for K = 3; with its four gaits it is 49. With
+`env.observation.history` = {history} the policy sees these numbers of {history} control steps, the oldest first; the
+paper's policy sees one. At the start of an episode its first control step stands for those before it.
 
 {actor}
 
@@ -42,6 +44,7 @@ def document() -> str:
     privileged = observations.entries_of(observed.critic, num_skills)
     return TEXT.format(
         num_skills=num_skills,
+        history=observed.history,
         actor_size=observations.size(actor),
         actor=observations.table(actor, config.env.noise),
         privileged_size=observations.size(privileged),
