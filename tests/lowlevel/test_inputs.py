@@ -59,11 +59,18 @@ def test_a_policy_without_a_range_stands_still():
         ("x", Order(velocity=(0.0, 0.0, 0.0))),
         ("2", Order(skill="pace_2hz")),
         ("9", Order()),
+        ("=", Order()),
         ("ü", Order()),
     ],
 )
 def test_keys(key, order):
     assert order_of_key(key, wanted()) == order
+
+
+def test_twelve_skills_have_keys():
+    twelve = [f"{gait}_{hz}hz" for gait in ("trot", "pace", "bound", "pronk") for hz in (2, 3, 4)]
+    asked = [order_of_key(key, Wanted.of(METADATA | {"skills": twelve}, None)).skill for key in "1234567890-="]
+    assert asked == twelve
 
 
 def test_a_terminal_that_is_gone_lays_the_robot_down():

@@ -1,3 +1,5 @@
+const SKILL_KEYS = '1234567890-='; // the upper row of a keyboard
+
 /** Which key does what. A slider in focus keeps its own arrow keys. */
 export function listenToKeys(controls, actions) {
   const steps = {
@@ -19,7 +21,7 @@ export function listenToKeys(controls, actions) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.target.type === 'range' && event.key.startsWith('Arrow')) return;
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-    if (/^[1-9]$/.test(key)) controls.choose(Number(key) - 1);
+    if (key.length === 1 && SKILL_KEYS.includes(key)) controls.choose(SKILL_KEYS.indexOf(key));
     else if (key in steps) controls.nudge(...steps[key]);
     else if (key in others && !event.repeat) others[key]();
     else return;

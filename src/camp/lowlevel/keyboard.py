@@ -17,8 +17,9 @@ from camp.lowlevel.state_machine import Wish
 
 HELP = (
     "u stand up   g walk   l lie down   space STOP (damping at once)   q lie down and quit\n"
-    "w s forward, back   a d turn   z c sideways   x stand still   1-9 skill"
+    "w s forward, back   a d turn   z c sideways   x stand still   1-9 0 - = skill"
 )
+SKILLS = tuple("1234567890-=")  # the upper row of a keyboard
 WISHES = {"u": Wish.STAND, "g": Wish.WALK, "l": Wish.LIE, " ": Wish.STOP}
 STEPS: dict[str, Velocity] = {
     "w": (0.1, 0.0, 0.0),
@@ -41,8 +42,8 @@ def order_of_key(key: str, wanted: Wanted) -> Order:
     if key in STEPS:
         vx, vy, wz = (round(old + step, 3) for old, step in zip(wanted.velocity, STEPS[key], strict=True))
         return Order(velocity=(vx, vy, wz))
-    if key.isdigit() and 0 < int(key) <= len(wanted.skills):
-        return Order(skill=wanted.skills[int(key) - 1])
+    if key in SKILLS[: len(wanted.skills)]:
+        return Order(skill=wanted.skills[SKILLS.index(key)])
     return Order()
 
 
