@@ -1,8 +1,9 @@
 """`python -m analysis.animation run=<folder> [output=<file>]`: the policy switches through its gaits, as a GIF.
 
-The exported policy walks in the bare loop of `camp.deploy` at 0.6 m/s, with one skill of each gait in turn. Shown are
-the commanded skill and the feet's measured contacts of the last two seconds, FL, FR, RL, RR from above. The default
-output is <folder>/figures/switching.gif; that of a shipped policy goes into outputs/<its name>/figures.
+The exported policy walks in the bare loop of `camp.deploy` at 0.6 m/s, with one skill of each gait in turn, at 3 Hz
+where there is one. Shown are the commanded skill and the feet's measured contacts of the last two seconds, FL, FR, RL,
+RR from above. The default output is <folder>/figures/switching.gif; that of a shipped policy goes into
+outputs/<its name>/figures.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from analysis.load import AnalysisError
+from analysis.sequence import one_skill_of_each_gait
 from analysis.style import INK, skill_colours
 from camp.cli.key_values import key_values, run_command
 from camp.common.errors import ConfigError
@@ -47,14 +49,6 @@ class Demonstration:
     skill: list[str]  # T names, as commanded
     qpos: NDArray[np.floating]  # (T, 19)
     contact: NDArray[np.bool_]  # (T, 4) FL, FR, RL, RR
-
-
-def one_per_gait(skills: Sequence[str]) -> list[str]:
-    """The first skill of each gait, in the order of the labels."""
-    first: dict[str, str] = {}
-    for skill in skills:
-        first.setdefault(skill.split("_")[0], skill)
-    return list(first.values())
 
 
 def demonstrate(policy: Policy, robot: Robot, skills: Sequence[str]) -> Demonstration:
@@ -127,7 +121,7 @@ def animate(arguments: Sequence[str]) -> None:
     policy = policy_of_run(run)
     robot = Robot(policy.metadata)
     renderer = RobotRenderer(robot.model, *SIZE)
-    shown = demonstrate(policy, robot, one_per_gait(policy.metadata["skills"]))
+    shown = demonstrate(policy, robot, one_skill_of_each_gait(policy.metadata["skills"]))
     pictures = -(-len(shown.skill) // STEPS_PER_FRAME)
     drawn = list(track(frames(shown, renderer), "drawing pictures", pictures, sys.stderr))
     write_gif(path, drawn, STEPS_PER_FRAME * shown.period_s)

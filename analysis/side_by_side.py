@@ -14,8 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.animation import COMMAND, one_per_gait
+from analysis.animation import COMMAND
 from analysis.load import AnalysisError
+from analysis.sequence import one_skill_of_each_gait
 from camp.cli.key_values import key_values, run_command
 from camp.common.errors import ConfigError
 from camp.common.files import make_folder
@@ -37,7 +38,7 @@ SECONDS, LONGEST_S = 6.0, 60.0
 def takes(policy: Policy, seconds: float) -> list[Take]:
     """A settled walk of ``seconds`` with one skill of each gait. Raises AnalysisError where the robot falls."""
     period, found = policy.metadata["control_period"], []
-    for skill in one_per_gait(policy.metadata["skills"])[:TILES]:
+    for skill in one_skill_of_each_gait(policy.metadata["skills"])[:TILES]:
         done = walk(policy, skill, COMMAND, SETTLING_S + seconds)
         if done.fell:
             raise AnalysisError(

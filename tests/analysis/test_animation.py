@@ -39,11 +39,6 @@ def shade(gait: str) -> tuple[int, ...]:
     return tuple(round(255 * part) for part in to_rgb(GAIT_COLOURS[gait]))
 
 
-def test_one_skill_of_each_gait_in_the_order_of_the_labels():
-    assert animation.one_per_gait(["trot_2hz", "trot_3hz", "pace_2hz"]) == ["trot_2hz", "pace_2hz"]
-    assert animation.one_per_gait(["pronk", "trot"]) == ["pronk", "trot"]
-
-
 def test_frames_show_the_commanded_skill_and_the_feet_on_the_ground():
     contact = np.zeros((16, 4), dtype=bool)
     contact[:, 1] = True  # FR alone stands
@@ -78,6 +73,11 @@ def test_the_shipped_policy_switches_and_the_file_plays_in_real_time(tmp_path, m
 def test_a_policy_that_falls_is_told_with_the_remedy():
     metadata = {"robot": "go2"} | json.loads((policies_root() / "go2_camp" / "policy.json").read_text())
     crouch = np.tile(np.float32([0.0, 2.6, -2.7]), 4)
-    policy: Any = SimpleNamespace(metadata=metadata, one_hot=lambda _: np.zeros(8), joint_target=lambda _: crouch)
+    policy: Any = SimpleNamespace(
+        metadata=metadata,
+        one_hot=lambda _: np.zeros(12),
+        remembered=lambda _, frame: [frame],
+        joint_target=lambda _: crouch,
+    )
     with pytest.raises(AnalysisError, match=r"fell after .* s as trot_2hz: train the run further"):
         animation.demonstrate(policy, animation.Robot(metadata), ["trot_2hz"])
