@@ -62,7 +62,7 @@ def expert_clip(steps: int) -> Clip:
 
 def run_with(prior: SkillPrior | None, clips: list[Clip]) -> Any:
     """What the figures read of a trained run."""
-    return SimpleNamespace(skill_prior=prior, clips=clips, config=compose_config([]))
+    return SimpleNamespace(skill_prior=prior, clips=clips, config=compose_config(["run=smoke"]))
 
 
 def test_switching_sequence_arrives_whole(tmp_path):

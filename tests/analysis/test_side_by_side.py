@@ -26,7 +26,7 @@ def done(steps: int, fell: bool = False) -> Walk:
 def test_four_settled_walks_in_a_picture_of_720_lines(monkeypatch):
     monkeypatch.setattr(side_by_side, "walk", lambda policy, skill, command, seconds: done(round(seconds / 0.02)))
     shown = side_by_side.takes(POLICY, 0.2)
-    assert [take.skill[0] for take in shown] == ["trot_2hz", "pace_2hz", "bound_2hz", "pronk_2hz"]
+    assert [take.skill[0] for take in shown] == ["trot_3hz", "pace_2hz", "bound_2hz", "pronk_2hz"]
     assert [take.qpos[0, 0] for take in shown] == [100.0] * 4  # after 2 s
     renderer: Any = SimpleNamespace(frame=lambda qpos: np.full((360, 640, 3), 128, np.uint8))
     frames = list(side_by_side.pictures(shown, renderer))
@@ -37,7 +37,7 @@ def test_four_settled_walks_in_a_picture_of_720_lines(monkeypatch):
 
 def test_a_policy_that_falls_is_told(monkeypatch):
     monkeypatch.setattr(side_by_side, "walk", lambda *_: done(30, fell=True))
-    with pytest.raises(AnalysisError, match=r"fell after 0.60 s as trot_2hz: train the run further"):
+    with pytest.raises(AnalysisError, match=r"fell after 0.60 s as trot_3hz: train the run further"):
         side_by_side.takes(POLICY, 1.0)
 
 

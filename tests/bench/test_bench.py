@@ -13,7 +13,7 @@ TINY = ["run=smoke", "sim.threads=1", "run.rollout_steps=2", "motion.num_preload
 
 
 def test_a_gpu_is_measured_with_a_quarter_to_four_times_the_robots():
-    assert measure.robot_counts(compose_config(["sim=gpu", "sim.device=cpu"])) == (1024, 4096, 8192, 16384)
+    assert measure.robot_counts(compose_config(["run=gpu", "sim=gpu", "sim.device=cpu"])) == (1024, 4096, 8192, 16384)
     assert measure.robot_counts(compose_config(["sim=gpu", "sim.device=cpu", "sim.num_envs=2"])) == (1, 2, 4, 8)
     assert measure.robot_counts(compose_config(["sim=cpu", "sim.num_envs=96"])) == (96,)
 

@@ -139,8 +139,8 @@ def test_simulators_refuse_what_they_cannot_do(overrides, words):
 def test_auto_takes_the_gpu_where_it_can_run(monkeypatch):
     monkeypatch.setattr(torch.cuda, "is_available", lambda: True)
     monkeypatch.setattr(choice, "warp_installed", lambda: True)
-    chosen = compose_config(["sim=auto"]).sim
-    assert chosen == compose_config(["sim=gpu"]).sim
+    chosen = compose_config(["sim=auto", "run=gpu"]).sim
+    assert chosen == compose_config(["sim=gpu", "run=gpu"]).sim
     assert (chosen.backend, chosen.device, chosen.num_envs) == ("gpu", "cuda", 4096)
     assert compose_config(["sim=auto", "sim.num_envs=7"]).sim.num_envs == 7
     assert compose_config(["sim=auto", "device=cpu"]).sim == compose_config(["sim=cpu"]).sim

@@ -23,7 +23,7 @@ def test_gymnasium_check_env():
 
 
 def test_same_seed_same_episode():
-    env = gymnasium.make("camp/Go2-v0", overrides=["env.episode_s=0.2"])
+    env = gymnasium.make("camp/Go2-v0", overrides=["run=smoke", "env.episode_s=0.2"])
     runs = []
     for _ in range(2):
         observation, _ = env.reset(seed=5)

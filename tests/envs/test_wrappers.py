@@ -13,7 +13,7 @@ from camp.common.errors import CampError
 from camp.envs.spaces import useful_actions
 from camp.robots.go2 import GO2
 
-FEW = ["motion.skills=[trot]", "motion.frequencies_hz=[2]", "motion.mirrored=false", "env.episode_s=0.2"]
+FEW = ["motion.skills=[trot]", "motion.frequencies_hz=[2]", "motion.mirrored=false", "env.episode_s=0.2", "run=smoke"]
 
 
 def make(**arguments) -> gymnasium.Env:

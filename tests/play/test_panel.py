@@ -111,7 +111,7 @@ def test_orders_wait_until_they_are_obeyed(desk):
 
 
 def test_digits_choose_the_skills_in_their_order(desk):
-    for place, skill in enumerate(desk.session.skills):
+    for place, skill in enumerate(desk.session.skills[:9]):
         desk.page.keys[str(place + 1)].act()
         desk.panel.obey()
         assert desk.session.skill == skill

@@ -52,7 +52,7 @@ async function main() {
     await visit.press('Pace, 3 strides/s');
     await visit.measured('pace_3hz');
     console.log(`a button: pace_3hz, ${await visit.read('frequency')} strides per s, ${await visit.read('vx')} m/s`);
-    await visit.key('6');
+    await visit.key('8');
     await visit.measured('bound_3hz');
     console.log(`a key: bound_3hz, ${await visit.read('frequency')} strides per s, ${await visit.read('vx')} m/s`);
     for (let step = 0; step < 6; step++) await visit.key('ArrowDown');

@@ -55,7 +55,7 @@ test('the skill changes while the robot walks', async () => {
 test('a robot that falls is measured no longer and sinks to the ground', async () => {
   walker.reset();
   walker.push(0, 6);
-  await walk(2);
+  await walk(4);
   assert.equal(walker.fallen, true);
   assert.deepEqual(walker.log.rows.map((row) => row.pushed).indexOf(true), 0);
   assert.equal(walker.measure().gait, rules.no_gait);
