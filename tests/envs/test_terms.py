@@ -158,7 +158,9 @@ def test_old_names_of_the_weights_reach_the_terms():
 
 
 def test_what_old_run_folders_observed_is_what_is_configured():
-    assert OmegaConf.structured(compose_config(["run=smoke"]).env.observation) == OmegaConf.structured(ObservationConfig())
+    assert OmegaConf.structured(compose_config(["run=smoke"]).env.observation) == OmegaConf.structured(
+        ObservationConfig()
+    )
 
 
 def test_entries_in_the_order_of_their_names(situation, config, clips):

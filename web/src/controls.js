@@ -48,7 +48,7 @@ export class Controls {
     const phases = rules.gaits.find((known) => known.name === gait)?.phases;
     const text = Object.assign(document.createElement('span'), { textContent: spoken(gait) });
     if (frequencyHz !== null) {
-      text.append(Object.assign(document.createElement('small'), { textContent: `${frequencyHz} strides/s` }));
+      text.append(Object.assign(document.createElement('small'), { textContent: `${frequencyHz} Hz` }));
     }
     button.append(text, ...(phases ? [gaitIcon(phases)] : []));
     button.addEventListener('click', () => this.choose(this.metadata.skills.indexOf(name)));
