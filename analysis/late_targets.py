@@ -23,10 +23,10 @@ from camp.gaits.skills import performed
 from camp.metrics.contact import debounced
 from camp.metrics.gait import measure_gait
 from camp.robots.quadruped import FOOT_NAMES
+from camp.sim.delay import LONGEST_DELAY
 
 SPEEDS_M_S = (0.6, 0.3)
 WALK_S, DISCARDED_S = 6.0, 2.0
-LONGEST_S = 0.1
 
 
 def walks_late(policy: Policy, skill: str, speed: float, late_s: float) -> bool:
@@ -58,8 +58,8 @@ def late_targets(arguments: Sequence[str]) -> None:
         late_s = float(given.get("late_s", "0.02"))
     except ValueError as error:
         raise ConfigError(f"late_s = {given['late_s']!r}: give seconds, such as 0.02") from error
-    if not 0.0 <= late_s <= LONGEST_S:
-        raise ConfigError(f"late_s = {late_s:g}: give 0 to {LONGEST_S:g} s")
+    if not 0.0 <= late_s <= LONGEST_DELAY:
+        raise ConfigError(f"late_s = {late_s:g}: give 0 to {LONGEST_DELAY:g} s")
     policy = Policy(Path(given["policy"]))
     cells = [(skill, speed) for skill in policy.metadata["skills"] for speed in SPEEDS_M_S]
     wrong = [f"{skill} at {speed:g} m/s" for skill, speed in cells if not walks_late(policy, skill, speed, late_s)]

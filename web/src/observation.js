@@ -1,7 +1,8 @@
 /** What the policy is told at each control step. */
 
 /**
- * One control step of the observation, Float32Array (45 + K): raw readings in SI units, in the order that the metadata name.
+ * One control step of the observation, Float32Array (45 + K): raw readings in SI units, in the order that the metadata
+ * name.
  * readings: the robot's own, by entry; command: vx, vy in m/s and yaw rate in rad/s; lastAction: (12,); skill: a name.
  */
 export function observe(metadata, readings, command, lastAction, skill) {
