@@ -16,6 +16,7 @@ from camp.common.errors import ConfigError
 from camp.common.tensors import constant
 from camp.envs.config import NoiseConfig
 from camp.envs.situation import Situation
+from camp.robots.mirror import FEET, JOINT_PROPERTIES, JOINTS, LINKS, ROTATION, SCALAR, TWIST, VECTOR, Mirror
 from camp.robots.quadruped import NUM_JOINTS, NUM_LEGS
 from camp.sim.base import LINK_NAMES
 
@@ -32,55 +33,66 @@ class Entry:
     frame: str
     read: Callable[[Situation], Tensor]
     noise: str | None = None  # the field of NoiseConfig that holds its half-width
+    mirror: Mirror | None = None  # how it looks in a mirror, where that is known
+
+    def image(self) -> Mirror:
+        """How it looks in a mirror. Raises ConfigError where that is not known."""
+        if self.mirror is None:
+            raise ConfigError(
+                f"observation entry {self.name!r} beside algo.ppo.mirrored=true: its mirror image is not known; give "
+                " its @observation_entry a mirror (camp.robots.mirror), or set algo.ppo.mirrored to false"
+            )
+        return self.mirror
 
 
 ENTRIES: dict[str, Entry] = {}
 
 
 def observation_entry(
-    size: int, unit: str, frame: str, noise: str | None = None
+    size: int, unit: str, frame: str, noise: str | None = None, mirror: Mirror | None = None
 ) -> Callable[[Callable[[Situation], Tensor]], Callable[[Situation], Tensor]]:
     """Make a function ``situation -> (N, size)`` known as an observation entry under its own name.
 
-    noise: the field of conf/env's ``noise`` with the half-width of its sensor noise, where it has any.
+    noise: the field of conf/env's ``noise`` with the half-width of its sensor noise, where it has any. mirror: its
+    numbers seen in a mirror, which `algo.ppo.mirrored` needs.
     """
 
     def register(read: Callable[[Situation], Tensor]) -> Callable[[Situation], Tensor]:
         name = getattr(read, "__name__", "")
         if name in ENTRIES:
             raise ValueError(f"observation entry {name!r}: this name is taken; choose another one")
-        ENTRIES[name] = Entry(name, size, unit, frame, read, noise)
+        ENTRIES[name] = Entry(name, size, unit, frame, read, noise, mirror)
         return read
 
     return register
 
 
-@observation_entry(3, "rad/s", "base", "angular_velocity_rad_s")
+@observation_entry(3, "rad/s", "base", "angular_velocity_rad_s", mirror=ROTATION)
 def base_angular_velocity(s: Situation) -> Tensor:
     return s.measurement.angular_velocity
 
 
-@observation_entry(3, "1", "base", "gravity")
+@observation_entry(3, "1", "base", "gravity", mirror=VECTOR)
 def gravity(s: Situation) -> Tensor:
     return s.measurement.gravity
 
 
-@observation_entry(3, "m/s, m/s, rad/s", "base")
+@observation_entry(3, "m/s, m/s, rad/s", "base", mirror=TWIST)
 def command(s: Situation) -> Tensor:
     return s.command
 
 
-@observation_entry(NUM_JOINTS, "rad", "joint, from the default pose", "joint_position_rad")
+@observation_entry(NUM_JOINTS, "rad", "joint, from the default pose", "joint_position_rad", mirror=JOINTS)
 def joint_position(s: Situation) -> Tensor:
     return s.measurement.joint_position - constant(s.setup.robot.default_joint_position, s.command)
 
 
-@observation_entry(NUM_JOINTS, "rad/s", "joint", "joint_velocity_rad_s")
+@observation_entry(NUM_JOINTS, "rad/s", "joint", "joint_velocity_rad_s", mirror=JOINTS)
 def joint_velocity(s: Situation) -> Tensor:
     return s.measurement.joint_velocity
 
 
-@observation_entry(NUM_JOINTS, "1", "joint, in action scales")
+@observation_entry(NUM_JOINTS, "1", "joint, in action scales", mirror=JOINTS)
 def last_action(s: Situation) -> Tensor:
     return s.last_action
 
@@ -90,63 +102,63 @@ def skill(s: Situation) -> Tensor:
     return s.skill_one_hot * s.setup.observe_skill
 
 
-@observation_entry(3, "m/s", "base")
+@observation_entry(3, "m/s", "base", mirror=VECTOR)
 def base_linear_velocity(s: Situation) -> Tensor:
     return s.measurement.linear_velocity
 
 
-@observation_entry(1, "m", "world")
+@observation_entry(1, "m", "world", mirror=SCALAR)
 def base_height(s: Situation) -> Tensor:
     return s.measurement.base_position[:, 2:]
 
 
-@observation_entry(NUM_LEGS, "0 or 1", "-")
+@observation_entry(NUM_LEGS, "0 or 1", "-", mirror=FEET)
 def foot_contact(s: Situation) -> Tensor:
     return s.foot_contact
 
 
-@observation_entry(3, "m/s, m/s, rad/s", "base")
+@observation_entry(3, "m/s, m/s, rad/s", "base", mirror=TWIST)
 def average_velocity(s: Situation) -> Tensor:
     """As it is rewarded."""
     return s.average_velocity
 
 
-@observation_entry(len(LINK_NAMES), "1", "-")
+@observation_entry(len(LINK_NAMES), "1", "-", mirror=LINKS)
 def link_mass_scale(s: Situation) -> Tensor:
     return s.dynamics.link_mass_scale
 
 
-@observation_entry(1, "kg", "-")
+@observation_entry(1, "kg", "-", mirror=SCALAR)
 def payload_mass(s: Situation) -> Tensor:
     return s.dynamics.payload_mass[:, None]
 
 
-@observation_entry(3, "m", "base")
+@observation_entry(3, "m", "base", mirror=VECTOR)
 def payload_position(s: Situation) -> Tensor:
     return s.dynamics.payload_position
 
 
-@observation_entry(1, "1", "-")
+@observation_entry(1, "1", "-", mirror=SCALAR)
 def friction(s: Situation) -> Tensor:
     return s.dynamics.friction[:, None]
 
 
-@observation_entry(NUM_JOINTS, "1", "joint")
+@observation_entry(NUM_JOINTS, "1", "joint", mirror=JOINT_PROPERTIES)
 def motor_strength(s: Situation) -> Tensor:
     return s.dynamics.motor_strength
 
 
-@observation_entry(NUM_JOINTS, "1", "joint")
+@observation_entry(NUM_JOINTS, "1", "joint", mirror=JOINT_PROPERTIES)
 def kp_scale(s: Situation) -> Tensor:
     return s.dynamics.kp_scale
 
 
-@observation_entry(NUM_JOINTS, "1", "joint")
+@observation_entry(NUM_JOINTS, "1", "joint", mirror=JOINT_PROPERTIES)
 def kd_scale(s: Situation) -> Tensor:
     return s.dynamics.kd_scale
 
 
-@observation_entry(1, "s", "-")
+@observation_entry(1, "s", "-", mirror=SCALAR)
 def delay(s: Situation) -> Tensor:
     """By which joint targets reach the motors late."""
     return s.dynamics.delay[:, None]
@@ -164,7 +176,10 @@ def check_names(key: str, names: Sequence[str]) -> None:
 def entries_of(names: Sequence[str], num_skills: int) -> tuple[Entry, ...]:
     """The entries of these names, in this order, for K skills."""
     found = (ENTRIES[name] for name in names)
-    return tuple(replace(entry, size=num_skills) if entry.size == PER_SKILL else entry for entry in found)
+    unchanged = Mirror.signs(*[1.0] * num_skills)  # by a mirror
+    return tuple(
+        replace(entry, size=num_skills, mirror=unchanged) if entry.size == PER_SKILL else entry for entry in found
+    )
 
 
 def size(entries: tuple[Entry, ...]) -> int:

@@ -7,35 +7,29 @@ from dataclasses import replace
 import numpy as np
 
 from camp.motion.clips.clip import Clip
-
-_OTHER_LEG = [1, 0, 3, 2]  # FL <-> FR, RL <-> RR
-_VECTOR = np.array([1, -1, 1], dtype=np.float32)  # of lengths and velocities: y turns round
-_ROTATION = np.array([-1, 1, -1], dtype=np.float32)  # of angular velocities: about x and z turn round
-_QUATERNION = np.array([1, -1, 1, -1], dtype=np.float32)  # w, x, y, z
-_JOINTS = np.array([-1, 1, 1], dtype=np.float32)  # hip, thigh, calf: the hips turn about x
-_TWIST = np.array([1, -1, -1], dtype=np.float32)  # vx, vy, yaw rate
+from camp.robots.mirror import FEET, JOINTS, QUATERNION, ROTATION, TWIST, VECTOR, Mirror
 
 
 def mirrored(clip: Clip) -> Clip:
     """The clip as a mirror in the x-z plane shows it; mirroring twice gives the clip back."""
     return replace(
         clip,
-        command=clip.command * _TWIST,
-        base_position=clip.base_position * _VECTOR,
-        base_quaternion=clip.base_quaternion * _QUATERNION,
-        joint_position=_joints(clip.joint_position),
-        joint_velocity=_joints(clip.joint_velocity),
-        base_linear_velocity=clip.base_linear_velocity * _VECTOR,
-        base_angular_velocity=clip.base_angular_velocity * _ROTATION,
-        foot_position=clip.foot_position[:, _OTHER_LEG] * _VECTOR,
-        foot_velocity=clip.foot_velocity[:, _OTHER_LEG] * _VECTOR,
-        foot_contact=clip.foot_contact[:, _OTHER_LEG],
-        joint_target=_joints(clip.joint_target),
-        joint_target_applied=_joints(clip.joint_target_applied),
-        joint_torque=_joints(clip.joint_torque),
+        command=_image(clip.command, TWIST),
+        base_position=_image(clip.base_position, VECTOR),
+        base_quaternion=_image(clip.base_quaternion, QUATERNION),
+        joint_position=_image(clip.joint_position, JOINTS),
+        joint_velocity=_image(clip.joint_velocity, JOINTS),
+        base_linear_velocity=_image(clip.base_linear_velocity, VECTOR),
+        base_angular_velocity=_image(clip.base_angular_velocity, ROTATION),
+        foot_position=_image(clip.foot_position[:, FEET.order], VECTOR),
+        foot_velocity=_image(clip.foot_velocity[:, FEET.order], VECTOR),
+        foot_contact=clip.foot_contact[:, FEET.order],
+        joint_target=_image(clip.joint_target, JOINTS),
+        joint_target_applied=_image(clip.joint_target_applied, JOINTS),
+        joint_torque=_image(clip.joint_torque, JOINTS),
     )
 
 
-def _joints(values: np.ndarray) -> np.ndarray:
-    """Rows of 12 joint values on the other side."""
-    return (values.reshape(-1, 4, 3)[:, _OTHER_LEG] * _JOINTS).reshape(-1, 12)
+def _image(values: np.ndarray, mirror: Mirror) -> np.ndarray:
+    """(..., size) in the mirror, of the same type."""
+    return values[..., mirror.order] * np.asarray(mirror.sign, dtype=values.dtype)

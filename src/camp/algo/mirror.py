@@ -1,0 +1,47 @@
+"""Experience seen in a mirror: a robot that is left-right symmetric could have made it as well."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import torch
+from torch import Tensor
+
+from camp.data import Rollout
+from camp.robots.mirror import Mirror
+
+
+class Reflection:
+    """The mirror image of numbers that stand side by side in the last dimension."""
+
+    def __init__(self, mirrors: Sequence[Mirror], device: torch.device) -> None:
+        """mirrors: of one entry after the other."""
+        order: list[int] = []
+        for mirror in mirrors:
+            order += [len(order) + i for i in mirror.order]
+        self._order = torch.tensor(order, dtype=torch.int64, device=device)
+        self._sign = torch.tensor([sign for mirror in mirrors for sign in mirror.sign], device=device)
+
+    def __call__(self, values: Tensor) -> Tensor:
+        """(..., size) -> (..., size)."""
+        return values[..., self._order] * self._sign
+
+
+@dataclass(frozen=True)
+class Symmetry:
+    """How everything that policy and critic see and do looks in a mirror."""
+
+    observation: Reflection
+    privileged: Reflection
+    action: Reflection
+
+    def image(self, rollout: Rollout) -> Rollout:
+        """Observations and actions in the mirror. What the networks say about them, and what the priors judge, is left
+        as it was."""
+        return replace(
+            rollout,
+            observation=self.observation(rollout.observation),
+            privileged=self.privileged(rollout.privileged),
+            action=self.action(rollout.action),
+        )
