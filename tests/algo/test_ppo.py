@@ -8,8 +8,10 @@ import pytest
 import torch
 
 from camp.algo.losses import gae, gaussian_log_prob
+from camp.algo.mirror import Reflection, Symmetry
 from camp.algo.ppo import PPO, desired_kl_at, explained_variance, minibatches
 from camp.data import Rollout
+from camp.robots.mirror import Mirror
 from tests.algo.synthetic import assert_identical, make_ppo, make_rollout, rng
 
 
@@ -229,3 +231,55 @@ def test_the_critic_learns_returns_far_from_zero():
         return_ = 300.0 + 20.0 * rollout.observation[..., 0] + 10.0 * rollout.privileged[..., 0]
         metrics = ppo.update_critic(rollout, return_, generator)
     assert metrics["ppo/explained_variance"] > 0.9
+
+
+def left_and_right() -> Symmetry:
+    """Observation and action: the first two numbers change places; nothing privileged changes."""
+    swap = Mirror((1, 0, *range(2, 5)), (1.0,) * 5)
+    same, action = Mirror.signs(1.0, 1.0), Mirror((1, 0, 2), (1.0,) * 3)
+    return Symmetry(*(Reflection([how], torch.device("cpu")) for how in (swap, same, action)))
+
+
+def test_a_mirrored_policy_that_cannot_move_measures_no_change():
+    # Were the image's log-probabilities those of the action that was taken on the other side, a policy that is not
+    # symmetric would seem to have moved.
+    rate = 1e-12
+    ppo = make_ppo(learning_rate=rate, min_learning_rate=rate, max_learning_rate=rate)
+    ppo.symmetry = left_and_right()
+    ppo.actor.network[-1].weight.data.mul_(100.0)  # type: ignore[union-attr, operator]
+    rollout = make_rollout(ppo, 0)
+    metrics = ppo.update(rollout, *advantage_of(rollout), rng())
+    assert metrics["ppo/kl"] == pytest.approx(0.0, abs=1e-6)
+    assert metrics["ppo/clip_fraction"] == 0.0
+
+
+def test_what_pays_on_one_side_is_learned_on_the_other_too():
+    """Reward for a large first action where the first number is positive; never for the second action, of which the
+    policy learns in the mirror alone."""
+
+    def moved(symmetry: Symmetry | None) -> tuple[float, float]:
+        ppo = make_ppo(minibatches=1, epochs=2, entropy_coef=0.0)
+        ppo.symmetry = symmetry
+        for seed in range(60):
+            rollout = make_rollout(ppo, seed, envs=64)
+            advantage = torch.where(rollout.observation[..., 0] > 1.0, rollout.action[..., 0], torch.zeros(()))
+            ppo.update(rollout, advantage, rollout.value, rng(seed))
+        first, second = torch.full((2, 5), 1.0)
+        first[0] = second[1] = 3.0
+        with torch.no_grad():
+            return float(ppo.actor(first)[0]), float(ppo.actor(second)[1])
+
+    first, second = moved(None)
+    assert first > 0.3 and abs(second) < 0.2 * first
+    first, second = moved(left_and_right())
+    assert first > 0.3 and second == pytest.approx(first, rel=0.3)
+
+
+def test_every_sample_is_learned_from_once_an_epoch_on_either_side():
+    ppo = make_ppo(epochs=20, minibatches=4)
+    ppo.symmetry = left_and_right()
+    parts = list(ppo._indices(torch.zeros(4, 16), rng()))
+    for epoch in range(20):
+        index = torch.cat(parts[4 * epoch : 4 * epoch + 4])
+        assert sorted((index % 64).tolist()) == list(range(64))
+    assert torch.cat(parts).ge(64).float().mean().item() == pytest.approx(0.5, abs=0.05)
