@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -34,7 +33,7 @@ from camp.motion.clips.sampler import Demonstrations, ReferenceStates
 from camp.motion.clips.store import load_skill_clips
 from camp.robots.amp_state import AMP_STATE_SIZE
 from camp.robots.config import RobotConfig
-from camp.robots.mirror import JOINTS, Mirror
+from camp.robots.mirror import JOINTS
 from camp.robots.quadruped import NUM_JOINTS, NUM_LEGS
 from camp.robots.registry import find_robot
 from camp.robots.robot import Robot
@@ -147,7 +146,7 @@ def build_training(config: Config) -> Training:
             build_actor(config, weights).to(device),
             _build_critic(config, weights).to(device),
             config.algo.ppo,
-            build_symmetry(config, device) if config.algo.ppo.mirrored else None,
+            build_symmetry(config, device) if config.algo.ppo.symmetry_weight else None,
         ),
         priors=build_priors(config, embedding, weights),
         demonstrations=Demonstrations(
@@ -224,16 +223,9 @@ def _check_period(config: Config, clips: list[Clip]) -> None:
 
 def build_symmetry(config: Config, device: torch.device) -> Symmetry:
     """How observations and actions look in a mirror. Raises ConfigError where that of an entry is not known."""
-    num_skills, observed = len(config.motion.skill_set()), config.env.observation
-
-    def mirrors(names: Sequence[str]) -> list[Mirror]:
-        return [entry.image() for entry in entries_of(names, num_skills)]
-
-    return Symmetry(
-        observation=Reflection(mirrors(observed.policy) * observed.history, device),
-        privileged=Reflection(mirrors(observed.critic), device),
-        action=Reflection([JOINTS], device),
-    )
+    observed = config.env.observation
+    frame = [entry.image() for entry in entries_of(observed.policy, len(config.motion.skill_set()))]
+    return Symmetry(Reflection(frame * observed.history, device), Reflection([JOINTS], device))
 
 
 def _build_critic(config: Config, weights: torch.Generator) -> Critic:

@@ -154,3 +154,11 @@ def test_gaussian_closed_forms_agree_with_torch_distributions():
     torch.testing.assert_close(losses.gaussian_kl(old_mean, old_std, mean, std), kl_divergence(old, new).sum(-1))
     torch.testing.assert_close(losses.gaussian_log_prob(action, mean, std), new.log_prob(action).sum(-1))
     torch.testing.assert_close(losses.gaussian_entropy(std), new.entropy().sum(-1))
+
+
+def test_symmetry_loss_is_the_divergence_of_two_policies():
+    mean, mirrored, std = T([[0.1, -0.4], [0.0, 0.2]]), T([[0.3, -0.4], [0.1, 0.1]]), T([0.2, 0.1])
+    # (.2/.2)^2 / 2 = .5; (.1/.2)^2 / 2 + (.1/.1)^2 / 2 = .625
+    assert losses.symmetry_loss(mean, mirrored, std).item() == pytest.approx((0.5 + 0.625) / 2)
+    expected = kl_divergence(Normal(mean, std), Normal(mirrored, std)).sum(dim=1).mean()
+    torch.testing.assert_close(losses.symmetry_loss(mean, mirrored, std), expected)

@@ -119,6 +119,8 @@ def test_an_entry_without_a_mirror_image_is_refused(monkeypatch: pytest.MonkeyPa
         return s.torque
 
     config = compose_config([])
-    config.env.observation.critic = ["joint_torque"]
-    with pytest.raises(ConfigError, match=r"'joint_torque' beside algo.ppo.mirrored=true.*@observation_entry a mirror"):
+    config.env.observation.policy = ["joint_torque"]
+    with pytest.raises(
+        ConfigError, match=r"'joint_torque' beside algo.ppo.symmetry_weight > 0.*@observation_entry a mirror"
+    ):
         build_symmetry(config, CPU)

@@ -86,7 +86,7 @@ class PPOConfig:
     settle_fraction: Fraction = 0.3
     critic_learning_rate: Rate = MISSING  # constant: the KL rule must not starve the critic
     max_grad_norm: GradientNorm = MISSING  # per network, > 0
-    mirrored: bool = False  # learn from each sample as it is or in a mirror, at random
+    symmetry_weight: Weight = 0.0  # of the policy's divergence from its mirror image
     update_normalizer: bool = MISSING  # false freezes the actor's input statistics (imitation's)
 
     def check(self) -> None:

@@ -104,6 +104,12 @@ def clipped_value_loss(value: Tensor, old_value: Tensor, return_: Tensor, clip: 
     return torch.max(error, (bounded - return_).square()).mean()
 
 
+def symmetry_loss(mean: Tensor, mirrored: Tensor, std: Tensor) -> Tensor:
+    """E of the KL divergence in nats between the policy, mean (B, A), and its mirror image (B, A): what it answers to
+    the mirrored observation, mirrored back. std (A,) of both (Yu et al. 2018 compare the means alone). Returns ()."""
+    return (0.5 * ((mean - mirrored) / std).square()).sum(dim=-1).mean()
+
+
 def gaussian_log_prob(action: Tensor, mean: Tensor, std: Tensor) -> Tensor:
     """Log density of a diagonal Gaussian; (..., A) -> (...)."""
     return -(0.5 * ((action - mean) / std).square() + std.log() + LOG_SQRT_2PI).sum(dim=-1)

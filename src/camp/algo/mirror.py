@@ -1,14 +1,13 @@
-"""Experience seen in a mirror: a robot that is left-right symmetric could have made it as well."""
+"""The left-right symmetry of the robot, as tensors see it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import torch
 from torch import Tensor
 
-from camp.data import Rollout
 from camp.robots.mirror import Mirror
 
 
@@ -30,18 +29,7 @@ class Reflection:
 
 @dataclass(frozen=True)
 class Symmetry:
-    """How everything that policy and critic see and do looks in a mirror."""
+    """How what the policy sees and does looks in a mirror."""
 
     observation: Reflection
-    privileged: Reflection
     action: Reflection
-
-    def image(self, rollout: Rollout) -> Rollout:
-        """Observations and actions in the mirror. What the networks say about them, and what the priors judge, is left
-        as it was."""
-        return replace(
-            rollout,
-            observation=self.observation(rollout.observation),
-            privileged=self.privileged(rollout.privileged),
-            action=self.action(rollout.action),
-        )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from typing import Any, TypeVar
 
 import torch
@@ -16,6 +16,7 @@ from camp.algo.losses import (
     gaussian_entropy,
     gaussian_kl,
     gaussian_log_prob,
+    symmetry_loss,
 )
 from camp.algo.mirror import Symmetry
 from camp.algo.models import Critic, GaussianActor
@@ -54,11 +55,6 @@ def _take(batch: Batch, index: Tensor) -> Batch:
     return type(batch)(*(getattr(batch, f.name)[index] for f in fields(batch)))
 
 
-def _flat(parts: list[Tensor]) -> Tensor:
-    """Samples (T, N, ...) of one part after the other, (P T N, ...)."""
-    return torch.cat([part.flatten(0, 1) for part in parts])
-
-
 def minibatches(size: int, epochs: int, count: int, generator: torch.Generator) -> Iterator[Tensor]:
     """Index sets: each epoch splits a fresh permutation of range(size) into `count` nearly equal parts."""
     for _ in range(epochs):
@@ -94,14 +90,12 @@ class PPO:
     Normalizers move LAST in an update: the rollout's log-probabilities and values were computed with the old
     statistics, so with the old ones every measured ratio and KL is a change of the policy and of nothing
     else.
-
-    With a symmetry each sample of a minibatch is taken as it is or as a mirror shows it, at random, so that no
-    side is learned before the other (Mittal et al. 2024 learn from both at once, which takes twice as long).
     """
 
     def __init__(
         self, actor: GaussianActor, critic: Critic, config: PPOConfig, symmetry: Symmetry | None = None
     ) -> None:
+        """symmetry: what `algo.ppo.symmetry_weight` needs."""
         self.actor, self.critic, self.config, self.symmetry = actor, critic, config, symmetry
         self.auxiliary_loss: AuxiliaryLoss = no_auxiliary_loss
         self.desired_kl = config.desired_kl  # that of the next update
@@ -142,9 +136,8 @@ class PPO:
     ) -> dict[str, float]:
         """Improves policy and critic on one rollout; advantage, return_ (T, N). Returns metrics `ppo/...`."""
         averages = Averages()
-        views = self._views(rollout)
-        actor_batch = self._actor_batch(views, advantage)
-        critic_batch = self._critic_batch(views, return_, averages)
+        actor_batch = self._actor_batch(rollout, advantage)
+        critic_batch = self._critic_batch(rollout, return_, averages)
         adaptive, each = self.config.adaptive, self.config.adapt_each
         kls: list[Tensor] = []  # () of each minibatch, before its step
         for i, index in enumerate(self._indices(return_, generator)):
@@ -166,7 +159,7 @@ class PPO:
         that would undo the imitation, and a KL of zero would drive the adaptive rate to its ceiling.
         """
         averages = Averages()
-        batch = self._critic_batch(self._views(rollout), return_, averages)
+        batch = self._critic_batch(rollout, return_, averages)
         for index in self._indices(return_, generator):
             self._critic_step(_take(batch, index), averages)
         self._observe(rollout, averages)
@@ -175,51 +168,34 @@ class PPO:
     def _observe(self, rollout: Rollout, averages: Averages) -> None:
         averages.add("ppo/rows_left_out", self.critic.observe(rollout.observation, rollout.privileged))
 
-    @torch.no_grad()
-    def _views(self, rollout: Rollout) -> list[Rollout]:
-        """The rollout and, with a symmetry, its mirror image, as if the present policy had acted there."""
-        if self.symmetry is None:
-            return [rollout]
-        image = self.symmetry.image(rollout)
-        mean = self.actor(image.observation)
-        log_prob = gaussian_log_prob(image.action, mean, image.action_std)
-        return [rollout, replace(image, action_mean=mean, log_prob=log_prob)]
-
     def _indices(self, return_: Tensor, generator: torch.Generator) -> Iterator[Tensor]:
-        """Of each minibatch: every sample of an epoch once, in one of its views."""
-        size = return_.numel()
-        for index in minibatches(size, self.config.epochs, self.config.minibatches, generator):
-            if self.symmetry is None:
-                yield index
-            else:
-                side = torch.randint(0, 2, index.shape, generator=generator, device=index.device)
-                yield index + size * side
+        return minibatches(return_.numel(), self.config.epochs, self.config.minibatches, generator)
 
-    def _actor_batch(self, views: list[Rollout], advantage: Tensor) -> _ActorBatch:
+    def _actor_batch(self, rollout: Rollout, advantage: Tensor) -> _ActorBatch:
         mean, variance, _ = distributed.moments(advantage.reshape(-1, 1))
-        standardized = ((advantage - mean) / (variance.sqrt() + 1e-8)).to(advantage.dtype)
+        standardized = (advantage - mean) / (variance.sqrt() + 1e-8)
         return _ActorBatch(
-            observation=_flat([view.observation for view in views]),
-            action=_flat([view.action for view in views]),
-            log_prob=_flat([view.log_prob for view in views]),
-            action_mean=_flat([view.action_mean for view in views]),
-            action_std=_flat([view.action_std for view in views]),
-            advantage=_flat([standardized] * len(views)),
+            observation=rollout.observation.flatten(0, 1),
+            action=rollout.action.flatten(0, 1),
+            log_prob=rollout.log_prob.flatten(),
+            action_mean=rollout.action_mean.flatten(0, 1),
+            action_std=rollout.action_std.flatten(0, 1),
+            advantage=standardized.to(advantage.dtype).flatten(),
         )
 
-    def _critic_batch(self, views: list[Rollout], return_: Tensor, averages: Averages) -> _CriticBatch:
+    def _critic_batch(self, rollout: Rollout, return_: Tensor, averages: Averages) -> _CriticBatch:
         self.critic.rescale(return_)
         with torch.no_grad():
             # What the value clip holds on to: the rollout's own values, but for the very first rescaling,
             # which moves a fresh critic to the mean return.
-            values = [self.critic(view.observation, view.privileged) for view in views]
+            value = self.critic(rollout.observation, rollout.privileged)
         averages.add("ppo/return", return_)
-        averages.add("ppo/explained_variance", explained_variance(views[0].value, return_))
+        averages.add("ppo/explained_variance", explained_variance(rollout.value, return_))
         return _CriticBatch(
-            observation=_flat([view.observation for view in views]),
-            privileged=_flat([view.privileged for view in views]),
-            value=_flat(values),
-            return_=_flat([return_] * len(views)),
+            observation=rollout.observation.flatten(0, 1),
+            privileged=rollout.privileged.flatten(0, 1),
+            value=value.flatten(),
+            return_=return_.flatten(),
         )
 
     def _actor_step(self, batch: _ActorBatch, averages: Averages, adapt: bool) -> Tensor:
@@ -232,7 +208,7 @@ class PPO:
         log_prob = gaussian_log_prob(batch.action, mean, std)
         surrogate = clipped_surrogate_loss(log_prob, batch.log_prob, batch.advantage, self.config.clip_param)
         entropy = gaussian_entropy(std)
-        auxiliary = self.auxiliary_loss(self.actor)
+        auxiliary = self.auxiliary_loss(self.actor) + self._asymmetry(batch.observation, mean, averages)
         norm = self._descend(self.actor_optimizer, surrogate - self.config.entropy_coef * entropy + auxiliary)
         self.actor.project_std()
         clipped = ((log_prob.detach() - batch.log_prob).exp() - 1.0).abs() > self.config.clip_param
@@ -244,6 +220,15 @@ class PPO:
         averages.add("ppo/std", std)
         averages.add("ppo/grad_norm/actor", norm)
         return kl
+
+    def _asymmetry(self, observation: Tensor, mean: Tensor, averages: Averages) -> Tensor:
+        """Weighted symmetry loss of the policy, whose answer to the observation is `mean`; ()."""
+        if self.symmetry is None:
+            return mean.new_zeros(())
+        image = self.actor(self.symmetry.observation(observation))
+        loss = symmetry_loss(mean, self.symmetry.action(image), self.actor.std.detach())
+        averages.add("ppo/symmetry_loss", loss)
+        return self.config.symmetry_weight * loss
 
     def _critic_step(self, batch: _CriticBatch, averages: Averages) -> None:
         value = self.critic(batch.observation, batch.privileged)

@@ -39,8 +39,8 @@ class Entry:
         """How it looks in a mirror. Raises ConfigError where that is not known."""
         if self.mirror is None:
             raise ConfigError(
-                f"observation entry {self.name!r} beside algo.ppo.mirrored=true: its mirror image is not known; give "
-                " its @observation_entry a mirror (camp.robots.mirror), or set algo.ppo.mirrored to false"
+                f"observation entry {self.name!r} beside algo.ppo.symmetry_weight > 0: its mirror image is not known; "
+                "give its @observation_entry a mirror (camp.robots.mirror), or set algo.ppo.symmetry_weight to 0"
             )
         return self.mirror
 
@@ -54,7 +54,7 @@ def observation_entry(
     """Make a function ``situation -> (N, size)`` known as an observation entry under its own name.
 
     noise: the field of conf/env's ``noise`` with the half-width of its sensor noise, where it has any. mirror: its
-    numbers seen in a mirror, which `algo.ppo.mirrored` needs.
+    numbers seen in a mirror, which `algo.ppo.symmetry_weight` needs.
     """
 
     def register(read: Callable[[Situation], Tensor]) -> Callable[[Situation], Tensor]:
