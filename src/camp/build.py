@@ -25,7 +25,7 @@ from camp.config.devices import learner_device, simulator_device
 from camp.config.memory import check_memory
 from camp.config.resolve import load_run_config
 from camp.config.schema import Config
-from camp.envs.observations import entries_of, size
+from camp.envs.observations import entries_of, sizes
 from camp.envs.quadruped import QuadrupedEnv
 from camp.gaits.skills import names
 from camp.motion.clips.clip import Clip
@@ -186,7 +186,9 @@ def share_of_rank(config: Config) -> Config:
 
 def build_actor(config: Config, weights: torch.Generator) -> GaussianActor:
     """The policy network, on the CPU."""
-    return GaussianActor(_observed(config)[0], NUM_JOINTS, config.algo.actor, weights)
+    return GaussianActor(
+        sizes(config.env.observation, len(config.motion.skill_set()))[0], NUM_JOINTS, config.algo.actor, weights
+    )
 
 
 def load_run(folder: Path) -> Run:
@@ -229,14 +231,7 @@ def build_symmetry(config: Config, device: torch.device) -> Symmetry:
 
 
 def _build_critic(config: Config, weights: torch.Generator) -> Critic:
-    return Critic(sum(_observed(config)), config.algo.critic, weights)
-
-
-def _observed(config: Config) -> tuple[int, int]:
-    """How many numbers the policy observes, and how many the critic besides."""
-    num_skills, observed = len(config.motion.skill_set()), config.env.observation
-    frame = size(entries_of(observed.policy, num_skills))
-    return observed.history * frame, size(entries_of(observed.critic, num_skills))
+    return Critic(sum(sizes(config.env.observation, len(config.motion.skill_set()))), config.algo.critic, weights)
 
 
 def build_priors(config: Config, embedding: SkillEmbedding, weights: torch.Generator) -> list[Prior]:

@@ -12,7 +12,7 @@ import torch
 from camp.common.errors import ConfigError
 from camp.config.devices import learner_device
 from camp.config.schema import Config
-from camp.envs.observations import entries_of, size
+from camp.envs.observations import sizes
 from camp.robots.amp_state import AMP_STATE_SIZE
 from camp.robots.quadruped import NUM_JOINTS
 
@@ -28,8 +28,7 @@ def parts(config: Config) -> dict[str, int]:
 
     Rough, and rather too little than too much: what is refused cannot run.
     """
-    skills, observed, run = len(config.motion.skill_set()), config.env.observation, config.run
-    inputs = observed.history * size(entries_of(observed.policy, skills)) + size(entries_of(observed.critic, skills))
+    run, inputs = config.run, sum(sizes(config.env.observation, len(config.motion.skill_set())))
     motion = len(config.env.transition_ages) * AMP_STATE_SIZE
     step = 2 * inputs + motion + 3 * NUM_JOINTS + 20
     robots, samples = config.sim.num_envs, run.rollout_steps * config.sim.num_envs

@@ -14,7 +14,7 @@ from torch import Tensor
 
 from camp.common.errors import ConfigError
 from camp.common.tensors import constant
-from camp.envs.config import NoiseConfig
+from camp.envs.config import NoiseConfig, ObservationConfig
 from camp.envs.situation import Situation
 from camp.robots.mirror import FEET, JOINT_PROPERTIES, JOINTS, LINKS, ROTATION, SCALAR, TWIST, VECTOR, Mirror
 from camp.robots.quadruped import NUM_JOINTS, NUM_LEGS
@@ -185,6 +185,12 @@ def entries_of(names: Sequence[str], num_skills: int) -> tuple[Entry, ...]:
 def size(entries: tuple[Entry, ...]) -> int:
     """Numbers in an observation."""
     return sum(entry.size for entry in entries)
+
+
+def sizes(config: ObservationConfig, num_skills: int) -> tuple[int, int]:
+    """How many numbers the policy observes, and how many the critic besides."""
+    frame = size(entries_of(config.policy, num_skills))
+    return config.history * frame, size(entries_of(config.critic, num_skills))
 
 
 def position(entries: tuple[Entry, ...], name: str) -> slice:
