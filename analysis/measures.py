@@ -29,8 +29,20 @@ def gait_counts(confusion: Confusion) -> tuple[list[str], list[str], Counts]:
     return commanded, shown, counts
 
 
+def information(counts: Counts) -> float:
+    """Bits that the gait shown tells about the gait commanded, (C, C + 1) walks with "none" last; log2 C at most.
+
+    A walk that shows no gait tells nothing, even if one command ends so more often than others: the mutual information
+    of the walks that show one counts by their share. Raises ValueError for no walk.
+    """
+    shown = counts[:, :-1]
+    if np.sum(counts) > 0 and np.sum(shown) == 0:
+        return 0.0
+    return mutual_information(shown) * float(np.sum(shown) / np.sum(counts))
+
+
 def mutual_information(counts: Counts) -> float:
-    """Bits that what is shown tells about what was commanded, (C, S) walks: 0 where it tells nothing, log2 C at most.
+    """Bits that a column tells about the row, (C, S) walks: 0 where it tells nothing, log2 C at most.
 
     The plug-in estimate of the joint frequencies; it is too great by about (C - 1)(S - 1) / (2 ln 2 n) bits for n
     walks. Raises ValueError for no walk.

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from analysis.arms import ARMS, title_of
-from analysis.measures import accuracy, answer, distinct_gaits, gait_counts, mutual_information, over_seeds
+from analysis.measures import accuracy, answer, distinct_gaits, gait_counts, information, over_seeds
 from analysis.measures import paired_difference as difference
 from analysis.study_results import RunResult, StudyResult
 from camp.metrics.statistics import Interval
@@ -58,7 +58,7 @@ def measures(result: StudyResult) -> dict[str, Measure]:
     shown = result.thresholds.shown_fraction
     return {
         "gaits shown": lambda run: float(distinct_gaits(counts(run), shown)),
-        "information (bits)": lambda run: mutual_information(counts(run)),
+        "information (bits)": lambda run: information(counts(run)),
         "gait right": lambda run: accuracy(counts(run)),
         "switches in time": lambda run: run.switches_completed,
         "velocity error (m/s)": lambda run: run.linear_error_m_s,

@@ -226,7 +226,7 @@ def _check_period(config: Config, clips: list[Clip]) -> None:
 def build_symmetry(config: Config, device: torch.device) -> Symmetry:
     """How observations and actions look in a mirror. Raises ConfigError where that of an entry is not known."""
     observed = config.env.observation
-    frame = [entry.image() for entry in entries_of(observed.policy, len(config.motion.skill_set()))]
+    frame = [entry.known_mirror() for entry in entries_of(observed.policy, len(config.motion.skill_set()))]
     return Symmetry(Reflection(frame * observed.history, device), Reflection([JOINTS], device))
 
 

@@ -10,6 +10,7 @@ from omegaconf import OmegaConf
 from torch import Tensor
 
 from camp.algo.config import AlgoConfig, PPOConfig, SkillConfig, StyleConfig
+from camp.algo.mirror import Symmetry
 from camp.algo.models import Critic, GaussianActor, SkillEmbedding
 from camp.algo.ppo import PPO
 from camp.algo.skill import SkillPrior
@@ -86,7 +87,11 @@ def make_skill(seed: int = 0, **changes: object) -> SkillPrior:
 
 
 def make_ppo(
-    seed: int = 0, sizes: tuple[int, int, int] = (5, 2, 3), initial_std: float = 0.5, **changes: object
+    seed: int = 0,
+    sizes: tuple[int, int, int] = (5, 2, 3),
+    initial_std: float = 0.5,
+    symmetry: Symmetry | None = None,
+    **changes: object,
 ) -> PPO:
     """sizes: observation, privileged, action."""
     generator, shipped = rng(seed), shipped_config()
@@ -94,7 +99,7 @@ def make_ppo(
     actor_config = replace(shipped.actor, hidden=[32, 32], initial_std=initial_std)
     actor = GaussianActor(observation, action, actor_config, generator)
     critic = Critic(observation + privileged, replace(shipped.critic, hidden=[32, 32]), generator)
-    return PPO(actor, critic, ppo_config(**changes))
+    return PPO(actor, critic, ppo_config(**changes), symmetry)
 
 
 def make_rollout(ppo: PPO, seed: int, steps: int = 4, envs: int = 16, scale: float = 1.0) -> Rollout:

@@ -245,8 +245,9 @@ def test_what_pays_on_one_side_is_learned_on_the_other_too():
     which only the mirror tells about."""
 
     def moved(weight: float) -> tuple[float, float]:
-        ppo = make_ppo(minibatches=1, epochs=4, entropy_coef=0.0, desired_kl=0.05, symmetry_weight=weight)
-        ppo.symmetry = left_and_right() if weight else None
+        symmetry = left_and_right() if weight else None
+        changes = {"minibatches": 1, "epochs": 4, "entropy_coef": 0.0, "desired_kl": 0.05, "symmetry_weight": weight}
+        ppo = make_ppo(symmetry=symmetry, **changes)
         for seed in range(60):
             rollout = make_rollout(ppo, seed, envs=64)
             advantage = torch.where(rollout.observation[..., 0] > 1.0, rollout.action[..., 0], torch.zeros(()))
@@ -263,8 +264,7 @@ def test_what_pays_on_one_side_is_learned_on_the_other_too():
 
 
 def test_a_symmetric_policy_has_no_symmetry_loss():
-    ppo = make_ppo(symmetry_weight=1.0)
-    ppo.symmetry = left_and_right()
+    ppo = make_ppo(symmetry=left_and_right(), symmetry_weight=1.0)
     for layer in ppo.actor.network:
         if hasattr(layer, "weight"):
             layer.weight.data.zero_()
@@ -274,3 +274,10 @@ def test_a_symmetric_policy_has_no_symmetry_loss():
     ppo.config = replace(ppo.config, adaptive=False)
     ppo.actor_optimizer.param_groups[0]["lr"] = rate
     assert ppo.update(rollout, *advantage_of(rollout), rng())["ppo/symmetry_loss"] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_weight_without_a_symmetry_is_refused():
+    with pytest.raises(ValueError, match="symmetry_weight"):
+        make_ppo(symmetry_weight=1.0)
+    with pytest.raises(ValueError, match="symmetry_weight"):
+        make_ppo(symmetry=left_and_right())

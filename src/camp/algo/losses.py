@@ -105,8 +105,12 @@ def clipped_value_loss(value: Tensor, old_value: Tensor, return_: Tensor, clip: 
 
 
 def symmetry_loss(mean: Tensor, mirrored: Tensor, std: Tensor) -> Tensor:
-    """E of the KL divergence in nats between the policy, mean (B, A), and its mirror image (B, A): what it answers to
-    the mirrored observation, mirrored back. std (A,) of both (Yu et al. 2018 compare the means alone). Returns ()."""
+    """E of half the squared difference, in units of the std (A,), between what the policy answers (B, A) and its mirror
+    image (B, A): its answer to the mirrored observation, mirrored back. Returns ().
+
+    The KL divergence in nats of two Gaussians with this std. Yu et al. (2018) compare the means in their own unit,
+    which weighs less the smaller the exploration becomes.
+    """
     return (0.5 * ((mean - mirrored) / std).square()).sum(dim=-1).mean()
 
 

@@ -95,7 +95,10 @@ class PPO:
     def __init__(
         self, actor: GaussianActor, critic: Critic, config: PPOConfig, symmetry: Symmetry | None = None
     ) -> None:
-        """symmetry: what `algo.ppo.symmetry_weight` needs."""
+        """symmetry: of observations and actions; given where, and only where, `symmetry_weight` is not 0. Raises
+        ValueError where it is not so."""
+        if (config.symmetry_weight > 0.0) != (symmetry is not None):
+            raise ValueError(f"algo.ppo.symmetry_weight = {config.symmetry_weight} with symmetry {symmetry}")
         self.actor, self.critic, self.config, self.symmetry = actor, critic, config, symmetry
         self.auxiliary_loss: AuxiliaryLoss = no_auxiliary_loss
         self.desired_kl = config.desired_kl  # that of the next update
@@ -208,8 +211,9 @@ class PPO:
         log_prob = gaussian_log_prob(batch.action, mean, std)
         surrogate = clipped_surrogate_loss(log_prob, batch.log_prob, batch.advantage, self.config.clip_param)
         entropy = gaussian_entropy(std)
-        auxiliary = self.auxiliary_loss(self.actor) + self._asymmetry(batch.observation, mean, averages)
-        norm = self._descend(self.actor_optimizer, surrogate - self.config.entropy_coef * entropy + auxiliary)
+        auxiliary = self.auxiliary_loss(self.actor)
+        beside = auxiliary + self._weighted_symmetry_loss(batch.observation, mean, averages)
+        norm = self._descend(self.actor_optimizer, surrogate - self.config.entropy_coef * entropy + beside)
         self.actor.project_std()
         clipped = ((log_prob.detach() - batch.log_prob).exp() - 1.0).abs() > self.config.clip_param
         averages.add("ppo/kl", kl)
@@ -221,8 +225,8 @@ class PPO:
         averages.add("ppo/grad_norm/actor", norm)
         return kl
 
-    def _asymmetry(self, observation: Tensor, mean: Tensor, averages: Averages) -> Tensor:
-        """Weighted symmetry loss of the policy, whose answer to the observation is `mean`; ()."""
+    def _weighted_symmetry_loss(self, observation: Tensor, mean: Tensor, averages: Averages) -> Tensor:
+        """Of the policy, whose answer to the observation is `mean`; ()."""
         if self.symmetry is None:
             return mean.new_zeros(())
         image = self.actor(self.symmetry.observation(observation))

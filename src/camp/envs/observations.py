@@ -35,7 +35,7 @@ class Entry:
     noise: str | None = None  # the field of NoiseConfig that holds its half-width
     mirror: Mirror | None = None  # how it looks in a mirror, where that is known
 
-    def image(self) -> Mirror:
+    def known_mirror(self) -> Mirror:
         """How it looks in a mirror. Raises ConfigError where that is not known."""
         if self.mirror is None:
             raise ConfigError(
@@ -176,7 +176,7 @@ def check_names(key: str, names: Sequence[str]) -> None:
 def entries_of(names: Sequence[str], num_skills: int) -> tuple[Entry, ...]:
     """The entries of these names, in this order, for K skills."""
     found = (ENTRIES[name] for name in names)
-    unchanged = Mirror.signs(*[1.0] * num_skills)  # by a mirror
+    unchanged = Mirror.signs(*[1.0] * num_skills)  # a gait and its mirror image are one skill
     return tuple(
         replace(entry, size=num_skills, mirror=unchanged) if entry.size == PER_SKILL else entry for entry in found
     )
