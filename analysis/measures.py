@@ -56,11 +56,6 @@ def mutual_information(counts: Counts) -> float:
     return float(max(0.0, (joint[told] * np.log2(joint[told] / independent[told])).sum()))
 
 
-def accuracy(counts: Counts) -> float:
-    """Fraction of walks that show the commanded gait; counts (C, S) with the commanded ones first among the shown."""
-    return float(np.diag(counts[:, : len(counts)]).sum() / counts.sum())
-
-
 def distinct_gaits(counts: Counts, least_fraction: float) -> int:
     """How many gaits are shown in ``least_fraction`` of all walks or more, whatever was commanded."""
     fractions = np.asarray(counts)[:, : len(counts)].sum(axis=0) / np.sum(counts)

@@ -66,8 +66,8 @@ def draw_confusions(result: StudyResult) -> Figure:
     for arm in result.arms:
         runs = result.of_arm(arm)
         if runs:
-            names, shown, _ = gait_counts(runs[0].confusion)
-            counts = pooled([gait_counts(run.confusion)[2] for run in runs])
+            names, shown, _ = gait_counts(runs[0].labelled)
+            counts = pooled([gait_counts(run.labelled)[2] for run in runs])
             panels.append(Panel(title_of(arm), counts / counts.sum(axis=1, keepdims=True), names, shown))
     return draw_panels(panels, Scale(0.0, 1.0, "fraction of walks"), Axis("commanded", "shown"))
 

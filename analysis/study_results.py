@@ -30,15 +30,17 @@ _ACCURACY = re.compile(r"gait/([^/]+)/accuracy")
 
 @checked
 class RunResult:
-    """One run. confusion: commanded skill -> shown -> walks; switches_completed: fraction in time; curve: environment
-    steps in millions and the fraction of robots that show their skill, mean over skills, while training."""
+    """One run. right: walks that meet all criteria; labelled: commanded skill -> shown -> walks, by gait and stride
+    frequency alone, so that a bound without flight still counts as one; switches_completed: fraction in time; curve:
+    environment steps in millions and the fraction of robots that show their skill, mean over skills, while training."""
 
     arm: str
     seed: int
     iterations: int
     seconds: float
     suite: str
-    confusion: dict[str, dict[str, int]]
+    right: int
+    labelled: dict[str, dict[str, int]]
     switches_completed: float | None
     linear_error_m_s: float
     walks: int
@@ -100,7 +102,8 @@ def _run_result(arm: str, seed: int, folder: Path) -> RunResult:
         iterations=report.iteration or 0,
         seconds=round(seconds_of(folder), 1),
         suite=f"{report.suite.name} {report.suite.digest}",
-        confusion=trained.confusion,
+        right=sum(row[skill] for skill, row in trained.confusion.items()),
+        labelled=trained.labelled,
         switches_completed=completed.value if completed else None,
         linear_error_m_s=trained.all.linear_error_m_s,
         walks=trained.all.rollouts,

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from analysis.arms import ARMS, title_of
-from analysis.measures import accuracy, answer, distinct_gaits, gait_counts, information, over_seeds
+from analysis.measures import answer, distinct_gaits, gait_counts, information, over_seeds
 from analysis.measures import paired_difference as difference
 from analysis.study_results import RunResult, StudyResult
 from camp.metrics.statistics import Interval
@@ -53,13 +53,13 @@ def measures(result: StudyResult) -> dict[str, Measure]:
     """The figures of a run by the heading that they stand below."""
 
     def counts(run: RunResult):
-        return gait_counts(run.confusion)[2]
+        return gait_counts(run.labelled)[2]
 
     shown = result.thresholds.shown_fraction
     return {
         "gaits shown": lambda run: float(distinct_gaits(counts(run), shown)),
         "information (bits)": lambda run: information(counts(run)),
-        "gait right": lambda run: accuracy(counts(run)),
+        "gait right": lambda run: run.right / run.walks,
         "switches in time": lambda run: run.switches_completed,
         "velocity error (m/s)": lambda run: run.linear_error_m_s,
         "falls per walk": lambda run: run.falls / run.walks,

@@ -179,7 +179,7 @@ def test_a_tiny_study_is_cut_off_and_goes_on(tiny, tmp_path, monkeypatch, capsys
     result = read_result(tmp_path / "ablations" / "results" / "tiny.json")
     (run,) = result.runs
     assert (run.arm, run.iterations, run.walks) == ("full", 2, 4) and run.seconds > 0.0
-    assert sum(sum(row.values()) for row in run.confusion.values()) == 4
+    assert sum(sum(row.values()) for row in run.labelled.values()) == 4
     assert result.missing == [] and result.origin["versions"]["torch"]
     assert command.run_command(command.run, [str(tiny)], None) == 0
     assert "1 of 1 runs are done" in capsys.readouterr().out

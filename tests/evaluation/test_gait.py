@@ -51,6 +51,7 @@ def test_feet_that_do_not_lift_are_told():
     summary = summarize(read(flat))
     assert summary.skills["trot"].failed["lift"] == 1 and accuracy(summary.skills["trot"]) == 0.5
     assert summary.confusion["trot"]["none"] == 1
+    assert summary.labelled["trot"]["trot"] == 2  # by gait and frequency alone
 
 
 def test_walks_under_table_i_by_friction():
@@ -63,7 +64,8 @@ def test_walks_under_table_i_by_friction():
 def test_skills_of_one_frequency_ask_for_that_frequency():
     skills = skill_set(GAITS, "gait_frequency", (2.0,))  # what is shown steps at 2.5 Hz
     summary = summarize(read(grid(RIGHT), skills))
-    assert accuracy(summary.all) == 0.0 and summary.confusion["trot_2hz"]["none"] == 2
+    assert accuracy(summary.all) == 0.0
+    assert summary.confusion["trot_2hz"]["none"] == summary.labelled["trot_2hz"]["none"] == 2
     near = skill_set(GAITS, "gait_frequency", (2.4,))
     assert accuracy(summarize(read(grid(RIGHT), near)).all) == 1.0
 
@@ -73,7 +75,7 @@ def test_a_fall_is_no_gait():
     fell.steps_upright[0] = 300
     summary = summarize(read(fell))
     assert accuracy(summary.skills["trot"]) == 0.5 and summary.skills["trot"].falls == 1
-    assert summary.confusion["trot"]["fell"] == 1
+    assert summary.confusion["trot"]["fell"] == summary.labelled["trot"]["fell"] == 1
 
 
 def test_a_fall_in_the_discarded_seconds_counts():

@@ -21,12 +21,16 @@ def summarize(reading: Reading) -> PolicySummary:
     """Figures of one policy's walks, per skill and over all."""
     skills = {name: _averages(reading, chosen) for name, chosen in reading.groups()}
     shown = [*(skill.name for skill in reading.skills), NO_SKILL, FELL]
-    confusion = {
-        name: {other: int((chosen & (reading.shown == other)).sum()) for other in shown}
-        for name, chosen in reading.groups()
-        if name != "all"
-    }
-    return PolicySummary(all=skills.pop("all"), skills=skills, confusion=confusion)
+
+    def confusion(found: NDArray[np.str_]) -> dict[str, dict[str, int]]:
+        rows = {name: chosen for name, chosen in reading.groups() if name != "all"}
+        return {
+            name: {other: int((chosen & (found == other)).sum()) for other in shown} for name, chosen in rows.items()
+        }
+
+    return PolicySummary(
+        all=skills.pop("all"), skills=skills, confusion=confusion(reading.shown), labelled=confusion(reading.labelled)
+    )
 
 
 def summarize_table_i(reading: Reading, friction: NDArray[np.floating], edges: Sequence[float]) -> TableI:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camp.evaluation.recording import Recording
-from camp.gaits.skills import NO_SKILL, Skill
+from camp.gaits.skills import NO_SKILL, Skill, performed
 from camp.metrics.criteria import CRITERIA, WalkReading, failures, is_right, read_walks
 from camp.metrics.tracking import VelocityError, mean_velocity, velocity_error
 
@@ -48,6 +48,12 @@ class Reading:
     def right(self) -> NDArray[np.bool_]:
         """(R,) walks that stay upright and fail no criterion of the commanded skill."""
         return is_right(self.failed) & ~self.fallen
+
+    @property
+    def labelled(self) -> NDArray[np.str_]:
+        """(R,) skill whose gait and stride frequency are shown, whatever else is wrong; "none" or "fell"."""
+        shown = performed(self.gait.gait, self.gait.frequency_hz, self.skills)
+        return np.where(self.fallen, FELL, shown).astype(str)
 
     @property
     def stepping(self) -> NDArray[np.bool_]:

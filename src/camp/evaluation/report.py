@@ -6,7 +6,7 @@ was nothing to measure.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Literal
 
@@ -68,11 +68,13 @@ class GaitSummary:
 
 @dataclass
 class PolicySummary:
-    """One policy's walks: all, by skill, and commanded skill x what was shown."""
+    """One policy's walks: all, by skill, and commanded skill x what was shown, by all criteria (confusion) and by gait
+    and stride frequency alone (labelled; empty in older reports)."""
 
     all: GaitSummary
     skills: dict[str, GaitSummary]
     confusion: dict[str, dict[str, int]]
+    labelled: dict[str, dict[str, int]] = field(default_factory=dict)
 
 
 @dataclass
