@@ -110,6 +110,9 @@ def test_a_history_is_mirrored_frame_by_frame():
     frame = [0.5, 0.1, -0.3, 1.0, 0.0, 1.0, 0.0]  # vx, vy, yaw rate; FL, FR, RL, RR
     other = [0.5, -0.1, 0.3, 0.0, 1.0, 0.0, 1.0]
     torch.testing.assert_close(symmetry.observation(torch.tensor(frame + other)), torch.tensor(other + frame))
+    action = torch.arange(1.0, 13.0)  # FL, FR, RL, RR with hip, thigh and calf
+    swapped = torch.tensor([-4.0, 5.0, 6.0, -1.0, 2.0, 3.0, -10.0, 11.0, 12.0, -7.0, 8.0, 9.0])
+    torch.testing.assert_close(symmetry.action(action), swapped)
 
 
 def test_an_entry_without_a_mirror_image_is_refused(monkeypatch: pytest.MonkeyPatch):

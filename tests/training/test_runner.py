@@ -55,6 +55,7 @@ def busy(config: Config) -> Config:
     config.env.command.skill_period_s = 0.2
     config.algo.style.replay_size = 500
     config.env.transition_ages = [3, 1, 0]
+    config.algo.ppo.symmetry_weight, config.env.observation.history = 0.5, 2
     config.algo.skill.patience_s = 0.1
     config.env.episode_growth.by_skill_from_s, config.env.command.skill_focus = 0.15, 0.5
     config.env.episode_growth.initial_s, config.env.episode_growth.doubling_s = 0.1, 2.0
@@ -75,6 +76,7 @@ def test_resumed_run_equals_an_uninterrupted_one(imitating, busy, tmp_path):
     run_for(busy, broken, load_state(broken))
     assert metrics_of(straight) == metrics_of(broken)
     assert (metrics_of(straight)[-1]["ppo/auxiliary_loss"] > 0.0) == imitating
+    assert metrics_of(straight)[-1]["ppo/symmetry_loss"] > 0.0
     assert all(sum(row["prior/style/logit_histogram/expert"]) == pytest.approx(1.0) for row in metrics_of(straight))
     one, other = load_state(straight), load_state(broken)
     assert one.iteration == other.iteration == 6 and one.best == other.best
