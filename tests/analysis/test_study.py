@@ -86,7 +86,9 @@ def test_the_shipped_studies_are_whole(monkeypatch):
     root = repository_root()
     assert root is not None
     paths = sorted((root / "ablations" / "studies").glob("*.yaml"))
-    assert {"reduced", "full", "retention", "two_skills", "eight_skills", "recipe"} == {read_study(path).name for path in paths}
+    assert {"reduced", "full", "retention", "two_skills", "eight_skills", "recipe"} == {
+        read_study(path).name for path in paths
+    }
     for path in paths:
         study = read_study(path)
         assert study.name == path.stem and len(study.seeds) >= (2 if study.name == "recipe" else 3)
