@@ -28,7 +28,7 @@ def folder_of(folder: Path, found: Sequence[tuple[str, float]]) -> Path:
 
 
 def clips_for(folder: Path, *overrides: str) -> list[tuple[str, float]]:
-    config = compose_config([f"motion.folder={folder}", *overrides])
+    config = compose_config([f"motion.folder={folder}", *overrides, "motion.mirrored=false"])
     return [(clip.gait, clip.frequency_hz) for clip in expert_clips(config)]
 
 
