@@ -186,9 +186,7 @@ def share_of_rank(config: Config) -> Config:
 
 def build_actor(config: Config, weights: torch.Generator) -> GaussianActor:
     """The policy network, on the CPU."""
-    return GaussianActor(
-        sizes(config.env.observation, len(config.motion.skill_set()))[0], NUM_JOINTS, config.algo.actor, weights
-    )
+    return GaussianActor(_observed(config)[0], NUM_JOINTS, config.algo.actor, weights)
 
 
 def load_run(folder: Path) -> Run:
@@ -231,7 +229,12 @@ def build_symmetry(config: Config, device: torch.device) -> Symmetry:
 
 
 def _build_critic(config: Config, weights: torch.Generator) -> Critic:
-    return Critic(sum(sizes(config.env.observation, len(config.motion.skill_set()))), config.algo.critic, weights)
+    return Critic(sum(_observed(config)), config.algo.critic, weights)
+
+
+def _observed(config: Config) -> tuple[int, int]:
+    """How many numbers the policy observes, and how many the critic besides."""
+    return sizes(config.env.observation, len(config.motion.skill_set()))
 
 
 def build_priors(config: Config, embedding: SkillEmbedding, weights: torch.Generator) -> list[Prior]:

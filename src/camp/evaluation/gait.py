@@ -20,16 +20,11 @@ from camp.motion.dataset.requests import describe_command
 def summarize(reading: Reading) -> PolicySummary:
     """Figures of one policy's walks, per skill and over all."""
     skills = {name: _averages(reading, chosen) for name, chosen in reading.groups()}
-    shown = [*(skill.name for skill in reading.skills), NO_SKILL, FELL]
-
-    def confusion(found: NDArray[np.str_]) -> dict[str, dict[str, int]]:
-        rows = {name: chosen for name, chosen in reading.groups() if name != "all"}
-        return {
-            name: {other: int((chosen & (found == other)).sum()) for other in shown} for name, chosen in rows.items()
-        }
-
     return PolicySummary(
-        all=skills.pop("all"), skills=skills, confusion=confusion(reading.shown), labelled=confusion(reading.labelled)
+        all=skills.pop("all"),
+        skills=skills,
+        confusion=_confusion(reading, reading.shown),
+        labelled=_confusion(reading, reading.labelled),
     )
 
 
@@ -77,6 +72,16 @@ def performed_by_command(reading: Reading, commands: Sequence[Sequence[float]]) 
     words = [describe_command((vx, vy, wz)) for vx, vy, wz in commands]
     shown = reading.shown.reshape(len(reading.skills), len(commands))
     return {skill.name: dict(zip(words, shown[k].tolist(), strict=True)) for k, skill in enumerate(reading.skills)}
+
+
+def _confusion(reading: Reading, found: NDArray[np.str_]) -> dict[str, dict[str, int]]:
+    """Commanded skill -> what was found of it (R,) -> walks."""
+    outcomes = [*(skill.name for skill in reading.skills), NO_SKILL, FELL]
+    return {
+        name: {outcome: int((chosen & (found == outcome)).sum()) for outcome in outcomes}
+        for name, chosen in reading.groups()
+        if name != "all"
+    }
 
 
 def _averages(reading: Reading, chosen: NDArray[np.bool_]) -> GaitSummary:
