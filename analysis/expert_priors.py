@@ -23,7 +23,7 @@ from camp.common.seeding import generator
 from camp.config.schema import Config
 from camp.data import Transition
 from camp.gaits.skills import Skill, label_of
-from camp.motion.clips.clip import Clip, amp_state
+from camp.motion.clips.clip import Clip, discriminator_state
 from camp.motion.clips.sampler import Demonstrations, transitions
 
 EVERY = 4  # every fourth command of each skill is kept for the question
@@ -67,7 +67,7 @@ def show(config: Config, clips: Sequence[Clip]) -> Shown:
 
 def labelled(clips: Sequence[Clip], skills: Sequence[Skill], ages: Sequence[int]) -> Transition:
     """All transitions of the clips, each under the label of the skill that it shows."""
-    motion = [transitions(torch.from_numpy(amp_state(clip)), ages) for clip in clips]
+    motion = [transitions(torch.from_numpy(discriminator_state(clip)), ages) for clip in clips]
     labels = [label_of(clip.gait, clip.frequency_hz, skills) for clip in clips]
     counts = torch.tensor([len(rows) for rows in motion])
     return Transition(torch.cat(motion), torch.tensor(labels).repeat_interleave(counts))

@@ -20,7 +20,7 @@ from camp.common.foreign import foreign_file
 from camp.common.histogram import BINS
 from camp.data import Transition
 from camp.gaits.schedule import GAIT_PHASES
-from camp.motion.clips.clip import Clip, amp_state
+from camp.motion.clips.clip import Clip, discriminator_state
 from camp.motion.clips.sampler import transitions
 from camp.runs.folder import ARRAYS, METRICS, results_folder
 from camp.runs.metrics import read_metrics
@@ -165,7 +165,7 @@ def features_of(run: Run, clips: Sequence[Clip]) -> list[ClipFeatures]:
 
 def prior_features(prior: SkillPrior, clip: Clip, ages: Sequence[int]) -> ClipFeatures:
     """What a skill discriminator sees in a clip of constant command; the only place where figures touch networks."""
-    state = torch.from_numpy(amp_state(clip)).to(prior.embedding.weight.device)
+    state = torch.from_numpy(discriminator_state(clip)).to(prior.embedding.weight.device)
     shown = transitions(state, ages)
     unread = torch.zeros(len(shown), dtype=torch.int64, device=shown.device)
     return ClipFeatures(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from camp.config.compose import compose_config
 from camp.envs import observations
-from camp.robots.amp_state import AMP_ENTRIES, AMP_STATE_SIZE
+from camp.robots.amp_state import AMP_ENTRIES, AMP_STATE_SIZE, FOOT_STANCE
 
 TEXT = """\
 # Observations
@@ -32,6 +32,9 @@ ablation hides it.
 Two consecutive ones in the paper; in general those that are `env.transition_ages` control steps old.
 
 {amp}
+
+With `env.foot_stance` {stance_size} more follow: for which fraction of the control step each foot carried load, as its
+physics steps tell. Not of the paper.
 """
 
 
@@ -51,6 +54,7 @@ def document() -> str:
         privileged=observations.table(privileged),
         amp_size=AMP_STATE_SIZE,
         amp=_amp_table(),
+        stance_size=FOOT_STANCE.size,
     )
 
 

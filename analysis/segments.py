@@ -14,7 +14,7 @@ import numpy as np
 import torch
 
 from analysis.load import ClipFeatures, features_of, first_touchdown
-from camp.build import Run
+from camp.build import Run, seen_by_discriminators
 from camp.data import Transition
 from camp.evaluation.composing import compose_evaluation
 from camp.evaluation.plan import ONE_SIZE, Disturbances, Plan
@@ -53,7 +53,8 @@ def reference_segments(run: Run, folder: Path = FOLDER) -> list[Clip]:
         print(f"the expert walks {len(missing)} new segments of {SEGMENT_S:g} s (once)", flush=True)
         with get_context("spawn").Pool(min(2, len(missing))) as pool:
             pool.map(_make, missing)
-    return [load_clip(_path(request, folder)) for _, request, folder in jobs]
+    clips = [load_clip(_path(request, folder)) for _, request, folder in jobs]
+    return seen_by_discriminators(run.config, clips)
 
 
 def _frequencies(skill: Skill, run: Run) -> Sequence[float]:
@@ -80,9 +81,11 @@ def policy_walks(run: Run, folder: Path) -> list[ClipFeatures]:
     assert run.skill_prior is not None
     walked, subject = _walk(run, folder), subject_of_run(run, folder, "walks", baselines=False)
     skills, ages, first = subject.contract.skill_set, run.config.env.transition_ages, round(WALK_S[0] / CONTROL_S)
+    states = [walked.amp_state, walked.foot_stance] if run.config.env.foot_stance else [walked.amp_state]
+    seen = torch.from_numpy(np.concatenate(states, axis=-1)[:, first:])
     found = []
     for row in np.flatnonzero(~walked.fallen):
-        shown = transitions(torch.from_numpy(walked.amp_state[row, first:]), ages)
+        shown = transitions(seen[row], ages)
         feature = run.skill_prior.predict(Transition(shown, torch.zeros(len(shown), dtype=torch.int64)))
         skill, contact = skills[walked.skill[row, 0]], walked.step_contact[row, first:]
         measured = float(measure_gait(contact[None], CONTROL_S).frequency_hz[0])

@@ -30,8 +30,9 @@ from camp.envs.quadruped import QuadrupedEnv
 from camp.gaits.skills import names
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.sampler import Demonstrations, ReferenceStates
+from camp.motion.clips.stance import with_foot_stance
 from camp.motion.clips.store import load_skill_clips
-from camp.robots.amp_state import AMP_STATE_SIZE
+from camp.robots.amp_state import amp_state_size
 from camp.robots.config import RobotConfig
 from camp.robots.mirror import JOINTS
 from camp.robots.quadruped import NUM_JOINTS, NUM_LEGS
@@ -93,7 +94,15 @@ def motion_folder(config: Config) -> Path:
 def expert_clips(config: Config) -> list[Clip]:
     """The clips of the configured skills and stride frequencies. Raises ClipError where a skill has none."""
     robot, folder, motion = build_robot(config.robot), motion_folder(config), config.motion
-    return load_skill_clips(robot, folder, motion.skill_set(), list(motion.frequencies_hz), motion.mirrored)
+    clips = load_skill_clips(robot, folder, motion.skill_set(), list(motion.frequencies_hz), motion.mirrored)
+    return seen_by_discriminators(config, clips)
+
+
+def seen_by_discriminators(config: Config, clips: list[Clip]) -> list[Clip]:
+    """The clips with all that ``env`` lets discriminators see of them."""
+    if not config.env.foot_stance:
+        return clips
+    return with_foot_stance(find_robot(config.robot.name), clips, config.sim.physics_timestep_s)
 
 
 def build_simulator(config: Config, num_envs: int | None = None) -> Simulator:
@@ -113,8 +122,7 @@ def build_simulator(config: Config, num_envs: int | None = None) -> Simulator:
     from camp.sim.gpu import GpuSimulator, WarpSettings  # takes seconds, and its packages need not be installed
 
     assert sim.contacts_per_robot is not None and sim.constraints_per_robot is not None
-    delays = config.env.randomization.enabled and config.env.randomization.delay_s[1] > 0.0
-    settings = WarpSettings(device, sim.contacts_per_robot, sim.constraints_per_robot, delays)
+    settings = WarpSettings(device, sim.contacts_per_robot, sim.constraints_per_robot)
     return GpuSimulator(robot, num, period, timestep, settings)
 
 
@@ -250,4 +258,4 @@ def build_priors(config: Config, embedding: SkillEmbedding, weights: torch.Gener
 
 def _motion_shape(config: Config) -> tuple[int, int]:
     """(F, S) of a transition."""
-    return len(config.env.transition_ages), AMP_STATE_SIZE
+    return len(config.env.transition_ages), amp_state_size(config.env.foot_stance)

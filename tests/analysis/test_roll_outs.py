@@ -14,9 +14,14 @@ from tests.small_run import small_run
 pytestmark = pytest.mark.slow
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    overrides = ["motion.skills=[trot,pronk]", "motion.labels=gait_frequency", "motion.frequencies_hz=[2.0,3.0]"]
+@pytest.fixture(scope="module", params=["false", "true"])
+def folder(request, tmp_path_factory):
+    overrides = [
+        f"env.foot_stance={request.param}",
+        "motion.skills=[trot,pronk]",
+        "motion.labels=gait_frequency",
+        "motion.frequencies_hz=[2.0,3.0]",
+    ]
     return small_run(tmp_path_factory.mktemp("run") / "one", overrides)
 
 

@@ -15,7 +15,8 @@ from camp.envs.commands import sample_commands
 from camp.envs.config import EXTERNAL
 from camp.envs.measurement import measure
 from camp.envs.quadruped import STARTS_PERIOD_S, QuadrupedEnv
-from camp.motion.clips.clip import Clip, amp_state
+from camp.motion.clips.clip import Clip, amp_state, discriminator_state
+from camp.motion.clips.stance import with_foot_stance
 from camp.robots.go2 import GO2
 from camp.sim.base import Dynamics
 
@@ -166,6 +167,33 @@ def test_an_old_state_continues(config, clips):
     resumed.load_state_dict(state)
     for _ in range(25):
         assert torch.equal(straight.advance(ZERO).transition, resumed.advance(ZERO).transition)
+
+
+@pytest.fixture
+def bounds(config, clips):
+    """Three bounds with their stance, and ``config`` for them."""
+    config.env.foot_stance, config.env.transition_ages, config.motion.skills = True, [4, 0], ["bound"]
+    config.env.initialization.reference_fraction = 1.0
+    return with_foot_stance(GO2, [clip for clip in clips if clip.gait == "bound"][:3], 0.005)
+
+
+def test_foot_stance_follows_the_amp_states(config, bounds):
+    env = make(config, bounds)
+    for _ in range(3):
+        step = env.advance(ZERO)
+        going = ~(step.terminated | step.truncated)
+        torch.testing.assert_close(step.transition[going, 1, 43:], env.sim.state.foot_stance[going])
+        torch.testing.assert_close(env.amp_state[going, :43], measure(GO2, env.sim.state).amp_state()[going])
+
+
+def test_an_episode_begins_with_the_stance_of_its_clip_or_on_all_feet(config, bounds):
+    states = [discriminator_state(clip) for clip in bounds]
+    windows = np.concatenate([np.stack([s[i : len(s) - 3 + i] for i in range(4)], axis=1) for s in states])
+    env = make(config, bounds)
+    for robot in range(8):
+        assert np.abs(windows - env.amp_history[robot].numpy()).max(axis=(1, 2)).min() < 1e-4
+    config.env.initialization.reference_fraction = 0.0
+    assert (make(config, bounds).amp_history[..., 43:] == 1).all()
 
 
 @pytest.mark.parametrize("ages", [[0], [1], [0, 1], [2, 2, 0], []])

@@ -26,8 +26,8 @@ from camp.evaluation.composing import compose_evaluation
 from camp.evaluation.contract import contract_on
 from camp.evaluation.controllers import Standing, robot_of
 from camp.evaluation.evaluator import Evaluator, Subject
+from camp.evaluation.floor import on_floor
 from camp.evaluation.policies import contract_of_metadata, contract_of_run
-from camp.evaluation.simulation import on_floor
 from camp.evaluation.suite import stamp
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.store import load_clips, save_clip

@@ -52,6 +52,24 @@ def test_standing_robot_is_carried_by_its_feet():
     assert (sim.state.body_force == 0).all()
 
 
+def test_foot_stance_counts_the_physics_steps_of_a_control_step():
+    sim = make(1)
+    dropped = standing(1, height=GO2.standing_height + 0.002)  # falls for 20 ms, then bounces into its stance
+    sim.reset(torch.tensor([True]), dropped)
+    assert (sim.state.foot_stance == 0).all()
+    data, seen = mujoco.MjData(sim.model), []
+    data.qpos[:], data.ctrl[:] = dropped.qpos()[0].numpy(), POSE.numpy()
+    for _ in range(5):
+        loaded = np.zeros(4)
+        for _ in range(4):
+            mujoco.mj_step(sim.model, data)
+            loaded += np.linalg.norm(data.sensordata[:12].reshape(4, 3), axis=1) > 1.0
+        sim.step(POSE[None])
+        seen.append(sim.state.foot_stance[0])
+        np.testing.assert_allclose(seen[-1].numpy(), loaded / 4)
+    assert any(((one > 0) & (one < 1)).any() for one in seen) and (seen[-1] == 1).all()
+
+
 def test_fallen_robot_is_felt_by_its_base():
     sim = make(1)
     upside_down = standing(1, height=0.15)

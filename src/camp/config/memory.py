@@ -13,7 +13,7 @@ from camp.common.errors import ConfigError
 from camp.config.devices import learner_device
 from camp.config.schema import Config
 from camp.envs.observations import sizes
-from camp.robots.amp_state import AMP_STATE_SIZE
+from camp.robots.amp_state import amp_state_size
 from camp.robots.quadruped import NUM_JOINTS
 
 FLOAT = 4  # bytes
@@ -29,10 +29,11 @@ def parts(config: Config) -> dict[str, int]:
     Rough, and rather too little than too much: what is refused cannot run.
     """
     run, inputs = config.run, sum(sizes(config.env.observation, len(config.motion.skill_set())))
-    motion = len(config.env.transition_ages) * AMP_STATE_SIZE
+    state = amp_state_size(config.env.foot_stance)
+    motion = len(config.env.transition_ages) * state
     step = 2 * inputs + motion + 3 * NUM_JOINTS + 20
     robots, samples = config.sim.num_envs, run.rollout_steps * config.sim.num_envs
-    bytes_per_robot = 2 * FLOAT * (config.env.transition_ages[0] * AMP_STATE_SIZE + 300)
+    bytes_per_robot = 2 * FLOAT * (config.env.transition_ages[0] * state + 300)
     if config.sim.backend == "gpu":
         bytes_per_robot += CONSTRAINT_BYTES * (config.sim.constraints_per_robot or 0)
         bytes_per_robot += CONTACT_BYTES * (config.sim.contacts_per_robot or 0)

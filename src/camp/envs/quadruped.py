@@ -27,7 +27,7 @@ from camp.envs.skill_schedule import SkillSchedule
 from camp.envs.starts import Starts, draw_starts
 from camp.envs.terminations import failed
 from camp.motion.clips.sampler import ReferenceStates
-from camp.robots.amp_state import AMP_STATE_SIZE, amp_slice
+from camp.robots.amp_state import amp_slice, amp_state_size
 from camp.robots.quadruped import NUM_JOINTS
 from camp.sim.base import Dynamics, RobotState, Simulator, select
 
@@ -102,7 +102,8 @@ class QuadrupedEnv(VectorEnv):
         self.average_velocity = torch.zeros(num, 3, device=device)  # of the last strides, as the reward takes it
         self.dynamics = Dynamics.nominal(num, config.randomization.nominal_friction, device)
         self._ages = tuple(config.transition_ages)
-        self.amp_history = torch.zeros(num, self._ages[0], AMP_STATE_SIZE, device=device)  # the last A states
+        state_size = amp_state_size(config.foot_stance)
+        self.amp_history = torch.zeros(num, self._ages[0], state_size, device=device)  # the last A states
         self.num_diverged = torch.zeros((), dtype=torch.int64, device=device)  # simulations since construction
         self.first_diverged = FirstCase(device)
         self.default_pose = constant(self.robot.default_joint_position, self.command)
@@ -161,7 +162,10 @@ class QuadrupedEnv(VectorEnv):
         measurement = measure(self.robot, state)
         self.num_diverged = self.num_diverged + diverged.sum()
         # A robot whose simulation diverged has no successor state: its last pair stands still.
-        successor = torch.where(diverged[:, None], self.amp_state, measurement.amp_state())
+        amp_state = measurement.amp_state()
+        if self.config.foot_stance:
+            amp_state = torch.cat([amp_state, state.foot_stance], dim=1)
+        successor = torch.where(diverged[:, None], self.amp_state, amp_state)
         history = torch.cat([self.amp_history, successor[:, None]], dim=1)  # (N, A + 1, S)
         transition = torch.stack([history[:, -1 - age] for age in self._ages], dim=1)
         self.amp_history = history[:, 1:]

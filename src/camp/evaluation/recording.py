@@ -68,6 +68,12 @@ class Recording:
         every = self.contact.shape[1] // self.steps
         return debounced(self.contact, self.contact_period_s)[:, every - 1 :: every]
 
+    @cached_property
+    def foot_stance(self) -> Floats:
+        """(R, T, 4) fraction of each control step in which the foot stood, as `RobotState` has it."""
+        num, steps = len(self), self.steps
+        return self.contact.reshape(num, steps, -1, NUM_LEGS).mean(axis=2, dtype=np.float32)
+
     def log(self, first_step: int = 0) -> ContactLog:
         """Contacts and heights from a step on."""
         every = self.contact.shape[1] // self.steps
@@ -122,4 +128,4 @@ def _states(qpos: Floats, qvel: Floats) -> RobotState:
     position = torch.from_numpy(qpos.reshape(-1, qpos.shape[-1]))
     velocity = torch.from_numpy(qvel.reshape(-1, qvel.shape[-1]))
     sensors = torch.zeros(len(position), 3 * (2 * NUM_LEGS + 1))
-    return RobotState.from_model(position, velocity, sensors)
+    return RobotState.from_model(position, velocity, sensors, foot_stance=sensors[:, :NUM_LEGS])

@@ -16,10 +16,11 @@ from camp.envs.config import NoiseConfig, TerminationConfig
 from camp.envs.measurement import Measurement, measure
 from camp.envs.terminations import failed
 from camp.evaluation.controllers import Controller, Sight
+from camp.evaluation.floor import on_floor
 from camp.evaluation.plan import Plan, joined
-from camp.evaluation.simulation import WatchedSimulator, on_floor
 from camp.robots.robot import Robot
 from camp.sim.base import RobotState
+from camp.sim.cpu import CpuSimulator
 from camp.sim.divergence import diverged
 
 FALL = TerminationConfig(body_contact_force_n=1.0, tilt_rad=0.8)  # as in training; AMP on A1
@@ -64,7 +65,7 @@ def roll_out(jobs: Sequence[tuple[Plan, Controller]], setting: Setting, track: T
         for end, (plan, controller) in zip(ends, jobs, strict=True)
     ]
     num, steps = len(whole), whole.steps
-    sim = WatchedSimulator(setting.robot, num, setting.period_s, setting.timestep_s, setting.threads)
+    sim = CpuSimulator(setting.robot, num, setting.period_s, setting.timestep_s, setting.threads)
     try:
         sim.prepare(whole.dynamics)
         sim.reset(torch.ones(num, dtype=torch.bool), whole.starts.initial)
@@ -98,7 +99,7 @@ def roll_out(jobs: Sequence[tuple[Plan, Controller]], setting: Setting, track: T
 class _Notes:
     """What happens, step by step, of all robots."""
 
-    def __init__(self, num: int, steps: int, sim: WatchedSimulator):
+    def __init__(self, num: int, steps: int, sim: CpuSimulator):
         self.upright = np.full(num, steps)
         self.qpos, self.qvel = np.empty((num, steps + 1, 19), np.float32), np.empty((num, steps + 1, 18), np.float32)
         self.target = np.empty((num, steps, 12), np.float32)
@@ -110,7 +111,7 @@ class _Notes:
         velocity = (state.base_linear_velocity, state.base_angular_velocity, state.joint_velocity)
         self.qvel[:, row] = torch.cat(velocity, dim=1)
 
-    def take(self, step: int, target: Tensor, sim: WatchedSimulator, fell: Tensor) -> None:
+    def take(self, step: int, target: Tensor, sim: CpuSimulator, fell: Tensor) -> None:
         self.upright = np.where(fell.numpy(), np.minimum(self.upright, step), self.upright)
         self.target[:, step], self.contact[:, step] = target, sim.contact
         self._state(step + 1, sim.state)

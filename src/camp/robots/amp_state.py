@@ -27,7 +27,14 @@ AMP_ENTRIES = (
     AmpEntry("base_height", 1, "m", "world"),
     AmpEntry("foot_position", 3 * NUM_LEGS, "m", "base"),
 )
-AMP_STATE_SIZE = sum(entry.size for entry in AMP_ENTRIES)  # S, 43
+AMP_STATE_SIZE = sum(entry.size for entry in AMP_ENTRIES)  # 43
+# Not of the paper; behind the others with `env.foot_stance`.
+FOOT_STANCE = AmpEntry("foot_stance", NUM_LEGS, "fraction of the control step", "-")
+
+
+def amp_state_size(foot_stance: bool) -> int:
+    """S, how many numbers the discriminators see of one moment: 43, or 47 with ``foot_stance``."""
+    return AMP_STATE_SIZE + (FOOT_STANCE.size if foot_stance else 0)
 
 
 def amp_parts(values: Mapping[str, Array]) -> list[Array]:

@@ -29,10 +29,12 @@ class RobotState:
     joint_velocity: Tensor  # (N, 12) rad/s
     foot_force: Tensor  # (N, 4, 3) N, ground on foot, world frame
     body_force: Tensor  # (N, 5, 3) N, ground on base and the four thighs, world frame
+    foot_stance: Tensor  # (N, 4) fraction of the control step's physics steps in which the foot carried load
 
     @classmethod
-    def from_model(cls, qpos: Tensor, qvel: Tensor, sensordata: Tensor) -> Self:
-        """Views of what the model holds: (N, 19) positions, (N, 18) velocities, (N, 27) contact sensors."""
+    def from_model(cls, qpos: Tensor, qvel: Tensor, sensordata: Tensor, foot_stance: Tensor) -> Self:
+        """Views of what the model holds: (N, 19) positions, (N, 18) velocities, (N, 27) contact sensors; and of
+        ``foot_stance``."""
         # The sensors give the force of the first geom on the second; the reaction acts on the robot.
         force = -sensordata.unflatten(1, (-1, 3))
         return cls(
@@ -44,6 +46,7 @@ class RobotState:
             joint_velocity=qvel[:, 6:],
             foot_force=force[:, :NUM_LEGS],
             body_force=force[:, NUM_LEGS:],
+            foot_stance=foot_stance,
         )
 
     def qpos(self) -> Tensor:
@@ -85,6 +88,7 @@ class InitialState:
             **vars(self),
             foot_force=torch.zeros(num, NUM_LEGS, 3, device=device),
             body_force=torch.zeros(num, NUM_FELT_BODIES, 3, device=device),
+            foot_stance=torch.zeros(num, NUM_LEGS, device=device),
         )
 
 
@@ -160,7 +164,8 @@ class Simulator(Protocol):
 
     @property
     def state(self) -> RobotState:
-        """A copy of the current state; forces are those at the beginning of the last physics step, 0 after a reset."""
+        """A copy of the current state; forces are those at the beginning of the last physics step, 0 after a
+        reset; ``foot_stance`` is 0 after a reset and after ``load_state_dict``."""
         ...
 
     def step(self, joint_target: Tensor) -> None:

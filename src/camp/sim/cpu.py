@@ -10,6 +10,7 @@ import torch
 from mujoco.batch import Batch
 from torch import Tensor
 
+from camp.robots.quadruped import CONTACT_FORCE, NUM_LEGS
 from camp.robots.robot import Robot
 from camp.sim.base import Dynamics, InitialState, RobotState
 from camp.sim.delay import DelayLine
@@ -17,6 +18,7 @@ from camp.sim.parameters import FIELD_NAMES, ModelFields, nominal_friction
 
 # The rows that make up a simulation between two control steps (mjSTATE_INTEGRATION without the unused parts).
 _STATE_FIELDS = ("time", "qpos", "qvel", "qacc_warmstart", "ctrl")
+_FEET = 3 * NUM_LEGS  # values of the feet's force sensors, which come first
 
 
 class CpuSimulator:
@@ -46,6 +48,8 @@ class CpuSimulator:
         self._sensordata = self._batch.bind("sensordata")
         # Sensor values live in a copy of our own, so that a loaded checkpoint can restore them.
         self._forces = np.zeros((num_envs, self.model.nsensordata), dtype=np.float32)
+        # What lasts a few milliseconds, such as the flight of a bound, is missed at the control rate.
+        self.contact = np.zeros((num_envs, self.substeps, NUM_LEGS), dtype=bool)  # in the last control step
         self._fields = ModelFields(self.model, robot, self.device)
         self._dynamics_rows = {name: self._batch.expand(name) for name in FIELD_NAMES}
         self.prepare(Dynamics.nominal(num_envs, nominal_friction(self.model), self.device))
@@ -56,17 +60,16 @@ class CpuSimulator:
     def state(self) -> RobotState:
         qpos = torch.from_numpy(self._rows["qpos"].astype(np.float32))
         qvel = torch.from_numpy(self._rows["qvel"].astype(np.float32))
-        return RobotState.from_model(qpos, qvel, torch.from_numpy(self._forces.copy()))
+        return RobotState.from_model(qpos, qvel, torch.from_numpy(self._forces.copy()), self._foot_stance())
 
     def step(self, joint_target: Tensor) -> None:
-        if self._no_delay:
-            self._rows["ctrl"][:] = joint_target.numpy(force=True)
-            self._batch.step(nstep=self.substeps)
-        else:
-            self._delays.send(joint_target)
-            for step in range(self.substeps):
+        self._delays.send(joint_target)
+        for step in range(self.substeps):
+            if step == 0 or not self._no_delay:
                 self._rows["ctrl"][:] = self._delays.arrived(step).numpy()
-                self._batch.step(nstep=1)
+            self._batch.step(nstep=1)
+            force = self._sensordata[:, :_FEET].reshape(-1, NUM_LEGS, 3)
+            self.contact[:, step] = np.einsum("nfi,nfi->nf", force, force) > CONTACT_FORCE**2
         self._forces[:] = self._sensordata
 
     def prepare(self, dynamics: Dynamics) -> None:
@@ -82,8 +85,13 @@ class CpuSimulator:
         self._rows["qvel"][ids] = initial.qvel().numpy(force=True)[ids]
         self._rows["ctrl"][ids] = initial.joint_position.numpy(force=True)[ids]
         self._forces[ids] = 0.0
+        self.contact[ids] = False
         self._delays.restart(mask, initial.joint_position, self._prepared.delay)
         self._no_delay = self._delays.idle()
+
+    def hold_before(self, joint_target: Tensor) -> None:
+        """What the robots' motors held until now, (N, 12) rad: delayed robots go on with it."""
+        self._delays.hold(joint_target)
 
     def push(self, velocity_change: Tensor) -> None:
         self._rows["qvel"][:, 0:3] += velocity_change.numpy(force=True)
@@ -101,12 +109,16 @@ class CpuSimulator:
         for name, rows in self._rows.items():
             rows[:] = state[name].numpy()
         self._forces[:] = state["forces"].numpy()
+        self.contact[:] = False
         if "delays" in state:  # absent where it was saved before there were delays
             self._delays.load_state_dict(state["delays"])
             self._no_delay = self._delays.idle()
 
     def close(self) -> None:
         """Nothing to release: the thread pool ends with the batch."""
+
+    def _foot_stance(self) -> Tensor:
+        return torch.from_numpy(self.contact.mean(axis=1, dtype=np.float32))
 
     def _take_on_dynamics(self, ids: np.ndarray) -> None:
         """Give the robots ``ids`` (n,), sorted and unique, the physical parameters prepared for them."""

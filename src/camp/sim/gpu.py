@@ -12,7 +12,7 @@ import warp as wp
 from torch import Tensor
 
 from camp.common.errors import SimulationError
-from camp.robots.quadruped import NUM_JOINTS
+from camp.robots.quadruped import CONTACT_FORCE, NUM_JOINTS, NUM_LEGS
 from camp.robots.robot import Robot
 from camp.sim.base import Dynamics, InitialState, RobotState, select
 from camp.sim.cuda_graph import CudaGraph
@@ -34,7 +34,6 @@ class WarpSettings:
     device: torch.device  # a CUDA device with its index, or the CPU
     contacts_per_robot: int  # on average over all robots
     constraints_per_robot: int  # rows of the constraint solver, for each robot
-    delays: bool = False  # whether joint targets may be late; a control step is then launched physics step by step
 
 
 class GpuSimulator:
@@ -80,14 +79,10 @@ class GpuSimulator:
         self._next_dynamics = _NextDynamics(self.model, num_envs, robot, self.device)
         self._dynamics = {name: wp.to_torch(getattr(model, name)) for name in batched}
         self._substeps = round(control_period / physics_timestep)
+        self._loaded = torch.zeros(num_envs, NUM_LEGS, device=self.device)  # physics steps of the last control step
         self._delays = DelayLine(num_envs, control_period, physics_timestep, self.device)
-        held = 1 if settings.delays else self._substeps  # physics steps with the same target
 
-        def physics() -> None:
-            for _ in range(held):
-                mjw.step(model, data)
-
-        self.physics = CudaGraph(physics, self.device)
+        self.physics = CudaGraph(lambda: mjw.step(model, data), self.device)
         self._overflow.zero_()
         self.prepare(Dynamics.nominal(num_envs, nominal_friction(self.model), self.device))
         everyone = torch.ones(num_envs, dtype=torch.bool, device=self.device)
@@ -95,17 +90,18 @@ class GpuSimulator:
 
     @property
     def state(self) -> RobotState:
-        return RobotState.from_model(self._qpos.clone(), self._qvel.clone(), self._sensordata)
+        return RobotState.from_model(
+            self._qpos.clone(), self._qvel.clone(), self._sensordata, self._loaded / self._substeps
+        )
 
     def step(self, joint_target: Tensor) -> None:
-        if not self._settings.delays:
-            self._ctrl.copy_(joint_target)
-            self.physics.run()
-            return
         self._delays.send(joint_target)
+        self._loaded.zero_()
         for step in range(self._substeps):
             self._ctrl.copy_(self._delays.arrived(step))
             self.physics.run()
+            force = self._sensordata[:, : 3 * NUM_LEGS].unflatten(1, (NUM_LEGS, 3))
+            self._loaded += force.norm(dim=-1) > CONTACT_FORCE
 
     def prepare(self, dynamics: Dynamics) -> None:
         self._next_dynamics.prepare(dynamics)
@@ -119,8 +115,8 @@ class GpuSimulator:
         _replace(self._ctrl, mask, initial.joint_position)
         self._acceleration.masked_fill_(mask[:, None], 0.0)
         self._sensordata.masked_fill_(mask[:, None], 0.0)
-        if self._settings.delays:
-            self._delays.restart(mask, initial.joint_position, self._next_delay)
+        self._loaded.masked_fill_(mask[:, None], 0.0)
+        self._delays.restart(mask, initial.joint_position, self._next_delay)
 
     def push(self, velocity_change: Tensor) -> None:
         self._qvel[:, 0:3] += velocity_change
@@ -146,6 +142,7 @@ class GpuSimulator:
     def load_state_dict(self, state: dict[str, Any]) -> None:
         for name, tensor in self._state().items():
             tensor.copy_(state[name])
+        self._loaded.zero_()
         if "delays" in state:  # absent where it was saved before there were delays
             self._delays.load_state_dict(state["delays"])
 

@@ -8,6 +8,7 @@ import pytest
 from camp.common.paths import assets_root
 from camp.motion.clips.clip import Clip
 from camp.motion.clips.mirror import mirrored
+from camp.motion.clips.stance import foot_stance, with_foot_stance
 from camp.motion.clips.store import load_clip
 from camp.motion.dataset.validate import check_clip, heading_velocity, replay_error
 from camp.robots.go2 import GO2
@@ -40,6 +41,13 @@ def test_mirroring_twice_gives_the_clip_back(clip: Clip) -> None:
         np.testing.assert_array_equal(getattr(twice, name), value)
         if isinstance(value, np.ndarray):
             assert getattr(twice, name).dtype == value.dtype
+
+
+def test_the_image_of_a_stance_is_the_stance_of_the_image(clip: Clip) -> None:
+    image = mirrored(with_foot_stance(GO2, [clip], 0.005)[0]).foot_stance
+    assert image is not None
+    # A foot may touch down within rounding of a physics step's end.
+    assert (image != foot_stance(GO2, mirrored(clip), 0.005)).mean() < 0.01
 
 
 def test_the_image_goes_the_other_way(clip: Clip) -> None:

@@ -50,6 +50,8 @@ class Clip:
     previous_gait: str = ""  # of a transition: the gait before `switch_step`
     switch_step: int = 0  # row from which `gait` is asked for
     source: str = EXPERT  # who made it: the expert, or the format of the file it was imported from
+    # (T, 4) fraction of the control step before that each foot stood; in no file: `with_foot_stance` finds it
+    foot_stance: np.ndarray | None = None
 
     def __len__(self) -> int:
         return len(self.joint_position)
@@ -71,7 +73,7 @@ class Clip:
 
 
 def amp_state(clip: Clip) -> np.ndarray:
-    """States of the discriminators, (T, S) float32, raw SI units, laid out as in `camp.robots.amp_state`."""
+    """The paper's states of the discriminators, (T, 43) float32, SI units, laid out as in `camp.robots.amp_state`."""
     values = {
         "joint_position": clip.joint_position,
         "joint_velocity": clip.joint_velocity,
@@ -81,3 +83,9 @@ def amp_state(clip: Clip) -> np.ndarray:
         "foot_position": clip.foot_position.reshape(len(clip), -1),
     }
     return np.concatenate(amp_parts(values), axis=1).astype(np.float32)
+
+
+def discriminator_state(clip: Clip) -> np.ndarray:
+    """What the discriminators see, (T, S) float32: the AMP states and, where the clip has it, the feet's stance."""
+    state = amp_state(clip)
+    return state if clip.foot_stance is None else np.concatenate([state, clip.foot_stance], axis=1)

@@ -24,6 +24,7 @@ def mirrored(clip: Clip) -> Clip:
         foot_position=_image(clip.foot_position[:, FEET.order], VECTOR),
         foot_velocity=_image(clip.foot_velocity[:, FEET.order], VECTOR),
         foot_contact=clip.foot_contact[:, FEET.order],
+        foot_stance=None if clip.foot_stance is None else clip.foot_stance[:, FEET.order],
         joint_target=_image(clip.joint_target, JOINTS),
         joint_target_applied=_image(clip.joint_target_applied, JOINTS),
         joint_torque=_image(clip.joint_torque, JOINTS),

@@ -12,7 +12,7 @@ from torch import Tensor
 from camp.common.errors import ClipError
 from camp.data import Transition
 from camp.gaits.skills import Skill, label_of
-from camp.motion.clips.clip import Clip, amp_state
+from camp.motion.clips.clip import Clip, discriminator_state
 
 CONSECUTIVE = (1, 0)  # ages in frames of the paper's (s_t, s_{t+1})
 
@@ -67,7 +67,7 @@ class Demonstrations:
         fraction = max(1, num_preloaded // len(skills))
         state, skill, counts = [], [], []
         for label, group in enumerate(_by_skill(clips, skills)):
-            frames = [torch.from_numpy(amp_state(clip)) for clip in group]
+            frames = [torch.from_numpy(discriminator_state(clip)) for clip in group]
             found = torch.cat([transitions(s, ages) for s in frames])  # (M_k, F, S)
             chosen = found[torch.randperm(len(found), generator=generator)[:fraction]]
             state.append(chosen)
@@ -152,7 +152,10 @@ class ReferenceStates:
                 np.concatenate([clip.joint_target_applied[first - 1 : -1] for clip in ordered]), device
             ),
             amp_history=torch.cat(
-                [transitions(torch.from_numpy(amp_state(clip)), recent)[first - recent[0] :] for clip in ordered]
+                [
+                    transitions(torch.from_numpy(discriminator_state(clip)), recent)[first - recent[0] :]
+                    for clip in ordered
+                ]
             ).to(device),
         )
         self._length = torch.tensor(length, device=device)  # (C,) frames per clip

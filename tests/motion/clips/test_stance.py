@@ -1,0 +1,56 @@
+"""How long feet stand within the control steps of a clip: against MuJoCo, and where nothing is simulated."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+
+from camp.common.paths import assets_root
+from camp.motion.clips.clip import amp_state, discriminator_state
+from camp.motion.clips.stance import foot_stance, with_foot_stance
+from camp.motion.clips.store import load_clip, save_clip
+from camp.robots.go2 import GO2
+
+BOUND = assets_root() / "motions" / "go2" / "bound_3hz_turn_right_0.6.npz"
+
+
+def test_rows_are_what_mujoco_does_in_the_control_step_before() -> None:
+    clip = load_clip(BOUND)
+    stance, model = foot_stance(GO2, clip, 0.005), GO2.load_model(0.005)
+    for row in range(20, 60):
+        data = mujoco.MjData(model)
+        data.qpos[:] = np.concatenate([clip.base_position[row], clip.base_quaternion[row], clip.joint_position[row]])
+        world = np.zeros(3)
+        mujoco.mju_rotVecQuat(world, clip.base_linear_velocity[row].astype(float), data.qpos[3:7])
+        data.qvel[:] = np.concatenate([world, clip.base_angular_velocity[row], clip.joint_velocity[row]])
+        data.ctrl[:] = clip.joint_target_applied[row]
+        count = np.zeros(4)
+        for _ in range(4):
+            mujoco.mj_step(model, data)
+            count += np.linalg.norm(data.sensordata[:12].reshape(4, 3), axis=1) > 1.0
+        np.testing.assert_allclose(stance[row + 1], count / 4)
+
+
+def test_a_bound_flies_for_less_than_a_control_step() -> None:
+    stance = foot_stance(GO2, load_clip(BOUND), 0.005)
+    flight = np.minimum.reduce(1.0 - stance, axis=1)  # at most so long all feet were up
+    assert ((flight > 0) & (flight < 1)).any()
+
+
+def test_motion_without_targets_has_its_own_contacts() -> None:
+    clip = replace(load_clip(BOUND), source="amp")
+    np.testing.assert_array_equal(foot_stance(GO2, clip, 0.005), clip.foot_contact)
+
+
+def test_the_stance_follows_the_papers_states_and_goes_into_no_file(tmp_path) -> None:
+    clip = load_clip(BOUND)
+    np.testing.assert_array_equal(discriminator_state(clip), amp_state(clip))
+    (seen,) = with_foot_stance(GO2, [clip], 0.005)
+    state = discriminator_state(seen)
+    assert state.shape == (len(clip), 47)
+    np.testing.assert_array_equal(state[:, :43], amp_state(clip))
+    np.testing.assert_array_equal(state[:, 43:], seen.foot_stance)
+    save_clip(tmp_path / "bound.npz", seen)
+    assert load_clip(tmp_path / "bound.npz").foot_stance is None
