@@ -3,7 +3,8 @@
 For example `python -m analysis.ablations ablations/studies/reduced.yaml hydra/launcher=parallel`, or `make ablations`.
 Every job is one training and its evaluation. What is done is skipped and what was cut off goes on from its last
 checkpoint: give the same command again. The runs and their logs lie below outputs/studies/, the result goes to
-ablations/results/. With `collect=only` nothing is run and what is there is read.
+ablations/results/. A run that the result on file has counts as done, so that a study can be shared by machines; delete
+the result to begin anew. With `collect=only` nothing is run and what is there is read.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from omegaconf import DictConfig
 
 from analysis.load import AnalysisError
 from analysis.study import Job, Study, jobs_of, read_study
-from analysis.study_results import collect, result_path, write_result
+from analysis.study_results import collect, kept_runs, result_path, write_result
 from analysis.study_runs import carry_out, runs_folder, state_of
 from analysis.tables import ablation_table
 from camp.cli.hydra_main import run_hydra
@@ -41,14 +42,18 @@ def run(arguments: Sequence[str]) -> None:
         raise AnalysisError(f"argument {unknown[0]!r}: what is trained stands in the study's YAML; call `{USAGE}`")
     study = read_study(Path(arguments[0]))
     runs, jobs = runs_folder(study, ROOT), jobs_of(study)
-    open_jobs = [n for n, job in enumerate(jobs) if not state_of(job, runs).done(study)]
+    path = result_path(study.name)
+    kept = kept_runs(study, path)
+    open_jobs = [
+        n for n, job in enumerate(jobs) if (job.arm, job.seed) not in kept and not state_of(job, runs).done(study)
+    ]
     print(f"{study.name}: {len(jobs) - len(open_jobs)} of {len(jobs)} runs are done; runs below {runs}", flush=True)
     code = 0
     if open_jobs and "collect=only" not in arguments:
         task = functools.partial(run_job, jobs, study, runs.absolute())
         places = ",".join(map(str, open_jobs))
         code = run_hydra("train", task, ["-m", f"+study_job={places}", *arguments[1:]])
-    result, path = collect(study, runs), result_path(study.name)
+    result = collect(study, runs, kept)
     if not result.runs:
         raise AnalysisError(f"study {study.name}: no run is done; give the command again to go on")
     write_result(path, result)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ from analysis.study import Study, Thresholds, jobs_of
 from analysis.study_runs import seconds_of, state_of
 from camp.common.files import write_text
 from camp.common.foreign import first_problem
-from camp.runs.folder import METRICS
+from camp.runs.folder import METRICS, REPORT, VERSIONS
 from camp.runs.metrics import read_metrics
 
 RESULTS = Path("ablations/results")
@@ -47,11 +47,12 @@ class RunResult:
     falls: int
     curve_steps: list[float]
     curve_accuracy: list[float]
+    origin: dict[str, Any]  # commit, machine and versions that it was trained with
 
 
 @checked
 class StudyResult:
-    """All finished runs of a study, with the thresholds that were set before, and where they come from."""
+    """All finished runs of a study, with the thresholds that were set before. origin: of what read them."""
 
     study: str
     question: str
@@ -70,15 +71,31 @@ class StudyResult:
 _ADAPTER = TypeAdapter(StudyResult)
 
 
-def collect(study: Study, runs: Path) -> StudyResult:
-    """Read what is done of a study."""
+Kept = Mapping[tuple[str, int], RunResult]  # by arm and seed
+
+
+def kept_runs(study: Study, path: Path) -> Kept:
+    """The runs that a result on file has of this very study: their folders may be on another machine, or gone.
+
+    Raises AnalysisError for a damaged file.
+    """
+    if not path.is_file():
+        return {}
+    result = read_result(path)
+    return {(run.arm, run.seed): run for run in result.runs} if result.digest == study.digest else {}
+
+
+def collect(study: Study, runs: Path, kept: Kept) -> StudyResult:
+    """Read what is done of a study: run folders and, where there is none, what was kept."""
     found, missing = [], []
     for job in jobs_of(study):
-        state = state_of(job, runs)
-        if state.folder is None or not state.done(study):
-            missing.append(f"{job.arm} seed {job.seed}")
+        state, of_job = state_of(job, runs), (job.arm, job.seed)
+        if state.folder is not None and state.done(study):
+            found.append(_run_result(*of_job, state.folder))
+        elif of_job in kept:
+            found.append(kept[of_job])
         else:
-            found.append(_run_result(job.arm, job.seed, state.folder))
+            missing.append(f"{job.arm} seed {job.seed}")
     return StudyResult(
         study=study.name,
         question=study.question,
@@ -94,6 +111,11 @@ def collect(study: Study, runs: Path) -> StudyResult:
 def _run_result(arm: str, seed: int, folder: Path) -> RunResult:
     report = read_report(folder)
     trained = report.policies["trained"]
+    if not trained.labelled:
+        raise AnalysisError(
+            f"'{folder / REPORT}' does not tell which gaits were shown, as an older camp wrote it: delete it and give "
+            "the study's command again"
+        )
     completed = report.switching.all.completed if report.switching else None
     steps, accuracy = condensed_curve(read_metrics(folder / METRICS))
     return RunResult(
@@ -110,7 +132,14 @@ def _run_result(arm: str, seed: int, folder: Path) -> RunResult:
         falls=trained.all.falls,
         curve_steps=steps,
         curve_accuracy=accuracy,
+        origin=_origin(folder),
     )
+
+
+def _origin(folder: Path) -> dict[str, Any]:
+    versions = json.loads((folder / VERSIONS).read_text(encoding="utf-8"))
+    packages = {name: versions["packages"].get(name) for name in ("torch", "mujoco")}
+    return (versions["git"] or {}) | {name: versions[name] for name in ("platform", "cpu_count", "started")} | packages
 
 
 def condensed_curve(rows: Sequence[dict[str, Any]]) -> tuple[list[float], list[float]]:

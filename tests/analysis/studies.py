@@ -35,6 +35,7 @@ def run_result(arm: str, seed: int, labelled: dict[str, dict[str, int]]) -> RunR
         falls=seed,
         curve_steps=[0.1, 0.2, 0.3],
         curve_accuracy=[0.0, 0.1 * seed, 0.2 + 0.1 * seed],
+        origin={},
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -183,5 +184,18 @@ def test_a_tiny_study_is_cut_off_and_goes_on(tiny, tmp_path, monkeypatch, capsys
     assert (run.arm, run.iterations, run.walks) == ("full", 2, 4) and run.seconds > 0.0
     assert sum(sum(row.values()) for row in run.labelled.values()) == 4
     assert result.missing == [] and result.origin["versions"]["torch"]
+    assert run.origin["torch"] and run.origin["started"]
     assert command.run_command(command.run, [str(tiny)], None) == 0
     assert "1 of 1 runs are done" in capsys.readouterr().out
+    (folder,) = tmp_path.glob("outputs/studies/tiny-*/2*")
+    report = json.loads((folder / "eval.json").read_text())
+    del report["policies"]["trained"]["labelled"]
+    (folder / "eval.json").write_text(json.dumps(report))
+    assert command.run_command(command.run, [str(tiny)], None) == 2
+    assert_one_line(capsys.readouterr().err, "older camp")
+    shutil.rmtree(folder.parent)  # as on another machine, where the result alone is
+    assert command.run_command(command.run, [str(tiny)], None) == 0
+    assert "1 of 1 runs are done" in capsys.readouterr().out
+    assert read_result(tmp_path / "ablations" / "results" / "tiny.json").runs == [run]
+    tiny.write_text(tiny.read_text().replace("seeds: [0]", "seeds: [1]"))  # another study of the same name
+    assert command.run_command(command.run, [str(tiny), "collect=only"], None) == 2
