@@ -3,8 +3,8 @@
 For example `python -m analysis.ablations ablations/studies/reduced.yaml hydra/launcher=parallel`, or `make ablations`.
 Every job is one training and its evaluation. What is done is skipped and what was cut off goes on from its last
 checkpoint: give the same command again. The runs and their logs lie below outputs/studies/, the result goes to
-ablations/results/. A run that the result on file has counts as done, so that a study can be shared by machines; delete
-the result to begin anew. With `collect=only` nothing is run and what is there is read.
+ablations/results/. A run that the result on file has counts as done: machines may take turns at a study. Delete the
+result to begin anew. With `collect=only` nothing is run and what is there is read.
 """
 
 from __future__ import annotations
@@ -47,13 +47,14 @@ def run(arguments: Sequence[str]) -> None:
     open_jobs = [
         n for n, job in enumerate(jobs) if (job.arm, job.seed) not in kept and not state_of(job, runs).done(study)
     ]
-    print(f"{study.name}: {len(jobs) - len(open_jobs)} of {len(jobs)} runs are done; runs below {runs}", flush=True)
+    done = f"{len(jobs) - len(open_jobs)} of {len(jobs)} runs are done ({len(kept)} in {path})"
+    print(f"{study.name}: {done}; runs below {runs}", flush=True)
     code = 0
     if open_jobs and "collect=only" not in arguments:
         task = functools.partial(run_job, jobs, study, runs.absolute())
         places = ",".join(map(str, open_jobs))
         code = run_hydra("train", task, ["-m", f"+study_job={places}", *arguments[1:]])
-    result = collect(study, runs, kept)
+    result = collect(study, runs, kept_runs(study, path))  # read anew: another machine's may have come meanwhile
     if not result.runs:
         raise AnalysisError(f"study {study.name}: no run is done; give the command again to go on")
     write_result(path, result)

@@ -27,7 +27,7 @@ ablation hides it.
 
 {privileged}
 
-## Discriminators: AMP states, {amp_size} numbers each
+## Discriminators: AMP states, {amp_size} numbers each ({seen_size} with `env.foot_stance`)
 
 Two consecutive ones in the paper; in general those that are `env.transition_ages` control steps old.
 
@@ -55,6 +55,7 @@ def document() -> str:
         amp_size=AMP_STATE_SIZE,
         amp=_amp_table(),
         stance_size=FOOT_STANCE.size,
+        seen_size=AMP_STATE_SIZE + FOOT_STANCE.size,
     )
 
 

@@ -109,7 +109,14 @@ def _walk(run: Run, folder: Path) -> Recording:
         Dynamics.nominal(num, evaluation.randomization.nominal_friction, torch.device("cpu")),
         Disturbances.of(num),
     )
-    setting = Setting(CONTROL_S, robot, evaluation.noise, evaluation.push_period_s, seed=0)
+    setting = Setting(
+        CONTROL_S,
+        robot,
+        evaluation.noise,
+        evaluation.push_period_s,
+        seed=0,
+        timestep_s=run.config.sim.physics_timestep_s,
+    )
     return record(roll_out([(plan, subject.controller())], setting)[0])
 
 

@@ -19,7 +19,7 @@ from analysis.reports import read_report
 from analysis.study import Study, Thresholds, jobs_of
 from analysis.study_runs import seconds_of, state_of
 from camp.common.files import write_text
-from camp.common.foreign import first_problem
+from camp.common.foreign import first_problem, foreign_file, read_json
 from camp.runs.folder import METRICS, REPORT, VERSIONS
 from camp.runs.metrics import read_metrics
 
@@ -47,7 +47,7 @@ class RunResult:
     falls: int
     curve_steps: list[float]
     curve_accuracy: list[float]
-    origin: dict[str, Any]  # commit, machine and versions that it was trained with
+    origin: dict[str, Any]  # commit, machine and versions that its training began with
 
 
 @checked
@@ -77,12 +77,17 @@ Kept = Mapping[tuple[str, int], RunResult]  # by arm and seed
 def kept_runs(study: Study, path: Path) -> Kept:
     """The runs that a result on file has of this very study: their folders may be on another machine, or gone.
 
-    Raises AnalysisError for a damaged file.
+    Raises AnalysisError for a damaged file, and for the result of another version of the study's YAML, which would be
+    overwritten.
     """
     if not path.is_file():
         return {}
-    result = read_result(path)
-    return {(run.arm, run.seed): run for run in result.runs} if result.digest == study.digest else {}
+    result = read_result(path, remedy="restore it, or delete it to begin anew")
+    if result.digest != study.digest:
+        raise AnalysisError(
+            f"result {path}: made with another version of the study's YAML; restore that, or move the result elsewhere"
+        )
+    return {(run.arm, run.seed): run for run in result.runs}
 
 
 def collect(study: Study, runs: Path, kept: Kept) -> StudyResult:
@@ -137,9 +142,12 @@ def _run_result(arm: str, seed: int, folder: Path) -> RunResult:
 
 
 def _origin(folder: Path) -> dict[str, Any]:
-    versions = json.loads((folder / VERSIONS).read_text(encoding="utf-8"))
-    packages = {name: versions["packages"].get(name) for name in ("torch", "mujoco")}
-    return (versions["git"] or {}) | {name: versions[name] for name in ("platform", "cpu_count", "started")} | packages
+    path = folder / VERSIONS
+    with foreign_file(path, f"'{path}' cannot be read", "restore it from a copy of the run", AnalysisError):
+        versions = read_json(path.read_bytes())
+        packages = {name: versions["packages"].get(name) for name in ("torch", "mujoco")}
+        git = versions["git"] or {"commit": None, "dirty": None}
+        return git | {name: versions[name] for name in ("platform", "cpu_count", "started")} | packages
 
 
 def condensed_curve(rows: Sequence[dict[str, Any]]) -> tuple[list[float], list[float]]:
@@ -166,9 +174,9 @@ def write_result(path: Path, result: StudyResult) -> None:
     write_text(path, json.dumps(asdict(result), indent=1) + "\n")  # type: ignore[call-overload]
 
 
-def read_result(path: Path) -> StudyResult:
-    """Read a study's JSON. Raises AnalysisError in one line that names the command that makes it."""
-    remedy = f"make it with `make ablations STUDY=ablations/studies/{path.stem}.yaml`"
+def read_result(path: Path, remedy: str | None = None) -> StudyResult:
+    """Read a study's JSON. Raises AnalysisError in one line with the remedy: the command that makes it."""
+    remedy = remedy or f"make it with `make ablations STUDY=ablations/studies/{path.stem}.yaml`"
     try:
         return _ADAPTER.validate_json(path.read_bytes())
     except OSError as error:

@@ -29,10 +29,11 @@ from camp.envs.observations import entries_of, sizes
 from camp.envs.quadruped import QuadrupedEnv
 from camp.gaits.skills import names
 from camp.motion.clips.clip import Clip
+from camp.motion.clips.mirror import with_images
 from camp.motion.clips.sampler import Demonstrations, ReferenceStates
 from camp.motion.clips.stance import with_foot_stance
 from camp.motion.clips.store import load_skill_clips
-from camp.robots.amp_state import amp_state_size
+from camp.robots.amp_state import discriminator_state_size
 from camp.robots.config import RobotConfig
 from camp.robots.mirror import JOINTS
 from camp.robots.quadruped import NUM_JOINTS, NUM_LEGS
@@ -94,12 +95,13 @@ def motion_folder(config: Config) -> Path:
 def expert_clips(config: Config) -> list[Clip]:
     """The clips of the configured skills and stride frequencies. Raises ClipError where a skill has none."""
     robot, folder, motion = build_robot(config.robot), motion_folder(config), config.motion
-    clips = load_skill_clips(robot, folder, motion.skill_set(), list(motion.frequencies_hz), motion.mirrored)
-    return seen_by_discriminators(config, clips)
+    clips = load_skill_clips(robot, folder, motion.skill_set(), list(motion.frequencies_hz))
+    clips = seen_by_discriminators(config, clips)
+    return with_images(clips) if motion.mirrored else clips
 
 
 def seen_by_discriminators(config: Config, clips: list[Clip]) -> list[Clip]:
-    """The clips with all that ``env`` lets discriminators see of them."""
+    """The clips with all that ``env`` lets discriminators see of them. Raises ClipError where a clip cannot tell."""
     if not config.env.foot_stance:
         return clips
     return with_foot_stance(find_robot(config.robot.name), clips, config.sim.physics_timestep_s)
@@ -258,4 +260,4 @@ def build_priors(config: Config, embedding: SkillEmbedding, weights: torch.Gener
 
 def _motion_shape(config: Config) -> tuple[int, int]:
     """(F, S) of a transition."""
-    return len(config.env.transition_ages), amp_state_size(config.env.foot_stance)
+    return len(config.env.transition_ages), discriminator_state_size(config.env.foot_stance)

@@ -19,7 +19,7 @@ class Go2Env(gym.Env):
     """The batched environment with N = 1, in numpy; an ended episode waits for ``reset``.
 
     The reward is the weighted task reward of Table II; ``info`` holds the critic's ``privileged`` observation, the
-    ``skill`` label, the ``command``, the AMP ``transition`` (2, 43) of the step and whether the robot ``diverged``.
+    ``skill`` label, the ``command``, the AMP ``transition`` (F, S) of the step and whether the robot ``diverged``.
 
     Args:
         render_mode: None or "rgb_array".

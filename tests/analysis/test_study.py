@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ import torch
 import analysis.ablations as command
 from analysis import study_runs
 from analysis.study import job_of, jobs_of, read_study
-from analysis.study_results import condensed_curve, read_result, write_result
+from analysis.study_results import collect, condensed_curve, kept_runs, read_result, write_result
 from analysis.study_runs import StudyError, carry_out, runs_folder, seconds_of, state_of
 from camp.common.errors import CampError, ConfigError
 from camp.common.paths import repository_root
@@ -153,6 +154,20 @@ def test_results_are_read_as_they_were_written(tmp_path):
         read_result(path)
 
 
+def test_runs_of_a_result_on_file_count_as_done(tiny, tmp_path):
+    study, path = read_study(tiny), tmp_path / "made_up.json"
+    assert kept_runs(study, path) == {}
+    result = replace(study_result(), digest=study.digest)
+    write_result(path, result)
+    kept = kept_runs(study, path)
+    assert len(kept) == 6 and kept["full", 0] in result.runs
+    collected = collect(study, tmp_path / "runs", {("full", 0): kept["full", 0]})
+    assert collected.runs == [kept["full", 0]] and collected.missing == ["no_skill_obs seed 0"]
+    path.write_text("{}")
+    with pytest.raises(CampError, match=r"made_up.json: .*delete it to begin anew"):
+        kept_runs(study, path)
+
+
 def test_curves_are_condensed():
     rows = [{"iteration": n, "steps": 1e4 * n, "gait/trot/accuracy": n / 100} for n in range(1, 101)]
     steps, accuracy = condensed_curve([*rows, {"iteration": 101, "steps": 2e6}])
@@ -198,4 +213,7 @@ def test_a_tiny_study_is_cut_off_and_goes_on(tiny, tmp_path, monkeypatch, capsys
     assert "1 of 1 runs are done" in capsys.readouterr().out
     assert read_result(tmp_path / "ablations" / "results" / "tiny.json").runs == [run]
     tiny.write_text(tiny.read_text().replace("seeds: [0]", "seeds: [1]"))  # another study of the same name
+    kept = (tmp_path / "ablations" / "results" / "tiny.json").read_bytes()
     assert command.run_command(command.run, [str(tiny), "collect=only"], None) == 2
+    assert_one_line(capsys.readouterr().err, "another version")
+    assert (tmp_path / "ablations" / "results" / "tiny.json").read_bytes() == kept

@@ -43,6 +43,7 @@ def state_of(qpos: np.ndarray, qvel: np.ndarray) -> RobotState:
         v[:, 6:],
         torch.zeros(1, 4, 3),
         torch.zeros(1, 5, 3),
+        torch.zeros(1, 4),
     )
 
 

@@ -86,13 +86,14 @@ def test_fifty_steps_agree_with_the_cpu_backend(shared, dynamics):
     reference = CpuSimulator(GO2, NUM, 0.02, 0.005, threads=1)
     for sim in (shared, reference):
         begin(sim, dynamics)
-    worst = {name: torch.zeros(NUM) for name in TOLERANCE}
+    worst, seen = {name: torch.zeros(NUM) for name in TOLERANCE}, []
     for step, target in enumerate(targets(50, seed=2)):
         for sim in (shared, reference):
             if step == 25:
                 sim.push(torch.tensor([[0.3, -0.2, 0.0]]).repeat(NUM, 1))
             sim.step(target)
         ours, theirs = shared.state, reference.state
+        seen.append(torch.stack([ours.foot_stance, theirs.foot_stance]))
         for name, errors in worst.items():
             error = (getattr(ours, name) - getattr(theirs, name)).abs().flatten(1).amax(dim=1)
             worst[name] = torch.maximum(errors, error)
@@ -100,8 +101,9 @@ def test_fifty_steps_agree_with_the_cpu_backend(shared, dynamics):
     # A foot may touch down within float32's rounding of a physics step's end, and then does so in one backend a step
     # before the other: seen once in 72 such runs of a robot.
     assert agree.sum() >= NUM - 1, worst
-    same = (ours.foot_stance - theirs.foot_stance).abs().amax(dim=1) < 1e-6
-    assert same.sum() >= NUM - 1 and 0.0 < theirs.foot_stance.mean() < 1.0
+    stances = torch.stack(seen)  # (steps, 2, NUM, 4)
+    same = (stances[:, 0] - stances[:, 1]).abs().amax(dim=(0, 2)) < 1e-6
+    assert same.sum() >= NUM - 1 and ((stances > 0) & (stances < 1)).any()
     assert ((ours.joint_position - POSE).abs().amax(dim=1) > 0.1).all() and ours.foot_force.norm(dim=-1).max() > 20.0
     shared.verify()
 

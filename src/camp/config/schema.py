@@ -84,6 +84,13 @@ class Config:
             f"choose a multiple of sim.physics_timestep_s ({self.sim.physics_timestep_s} s)",
         )
         checks.require(
+            not self.env.foot_stance or round(substeps) >= 2,
+            "env.foot_stance",
+            self.env.foot_stance,
+            "choose false, or a sim.physics_timestep_s of at most half of env.control_period_s: a fraction of one "
+            "physics step tells nothing",
+        )
+        checks.require(
             self.algo.ppo.update_normalizer or self.algo.imitation.epochs > 0,
             "algo.ppo.update_normalizer",
             self.algo.ppo.update_normalizer,

@@ -222,8 +222,8 @@ class EnvConfig:
     # Ages in control steps of the states that the discriminators judge together, oldest first; [1, 0]: the paper's
     # two consecutive states. Older ones show the stride frequency.
     transition_ages: list[Age] = field(default_factory=lambda: [1, 0])
-    # Whether their states also tell for which fraction of the last control step each foot stood: a flight of 10 ms is
-    # seen in it, and in nothing else at 50 Hz.
+    # Whether their states also tell for which fraction of the last control step each foot stood: it shows a flight of
+    # 10 ms, which states at 50 Hz hardly do.
     foot_stance: bool = False
     episode_growth: EpisodeGrowthConfig = field(default_factory=EpisodeGrowthConfig)
     hardening: HardeningConfig = field(default_factory=HardeningConfig)

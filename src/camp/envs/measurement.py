@@ -46,7 +46,7 @@ class Measurement:
         return torch.cat([self.linear_velocity[:, :2], self.angular_velocity[:, 2:]], dim=1)
 
     def amp_state(self) -> Tensor:
-        """s_t of the discriminators, (N, S), laid out as in `camp.robots.amp_state`."""
+        """The paper's state s_t of the discriminators, (N, 43), laid out as in `camp.robots.amp_state`."""
         values = {
             "joint_position": self.joint_position,
             "joint_velocity": self.joint_velocity,

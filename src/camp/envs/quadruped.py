@@ -27,7 +27,7 @@ from camp.envs.skill_schedule import SkillSchedule
 from camp.envs.starts import Starts, draw_starts
 from camp.envs.terminations import failed
 from camp.motion.clips.sampler import ReferenceStates
-from camp.robots.amp_state import amp_slice, amp_state_size
+from camp.robots.amp_state import amp_slice, discriminator_state_size
 from camp.robots.quadruped import NUM_JOINTS
 from camp.sim.base import Dynamics, RobotState, Simulator, select
 
@@ -102,7 +102,7 @@ class QuadrupedEnv(VectorEnv):
         self.average_velocity = torch.zeros(num, 3, device=device)  # of the last strides, as the reward takes it
         self.dynamics = Dynamics.nominal(num, config.randomization.nominal_friction, device)
         self._ages = tuple(config.transition_ages)
-        state_size = amp_state_size(config.foot_stance)
+        state_size = discriminator_state_size(config.foot_stance)
         self.amp_history = torch.zeros(num, self._ages[0], state_size, device=device)  # the last A states
         self.num_diverged = torch.zeros((), dtype=torch.int64, device=device)  # simulations since construction
         self.first_diverged = FirstCase(device)

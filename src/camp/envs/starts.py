@@ -12,11 +12,13 @@ from camp.common.tensors import constant
 from camp.envs import initialization
 from camp.envs.commands import sample_commands, uniform
 from camp.envs.config import EnvConfig
-from camp.envs.measurement import measure
+from camp.envs.measurement import foot_height, measure
 from camp.motion.clips.sampler import ReferenceStates
 from camp.robots.amp_state import AMP_STATE_SIZE
 from camp.robots.robot import Robot
 from camp.sim.base import Dynamics, InitialState
+
+TOUCHING_M = 1e-3  # no higher is a foot that stands before the simulation begins
 
 
 @dataclass
@@ -59,10 +61,14 @@ def draw_starts(
     command = sample_commands(num, config.command, generator)
     target = reference.joint_target_applied_previous
     row = at_reference[:, None]
-    # Measured, not read: a clip's own last state may differ in the last digit. Who stands has stood before, on all
-    # feet. Without env.foot_stance there are no such numbers: (N, 0).
-    stance = torch.where(row, reference.amp_history[:, -1, AMP_STATE_SIZE:], 1.0)
-    present = torch.cat([measure(robot, initial.robot_state()).amp_state(), stance], dim=1)[:, None]
+    # Measured, not read: a clip's own last state may differ in the last digit. Who stands has stood before.
+    measurement = measure(robot, initial.robot_state())
+    present = measurement.amp_state()
+    if config.foot_stance:
+        standing = (foot_height(robot, measurement) < TOUCHING_M).float()
+        stance = torch.where(row, reference.amp_history[:, -1, AMP_STATE_SIZE:], standing)
+        present = torch.cat([present, stance], dim=1)
+    present = present[:, None]
     past = torch.where(row[..., None], reference.amp_history, present)
     # A robot set into a clip goes on with the clip's command, and remembers the clip's last target.
     return Starts(

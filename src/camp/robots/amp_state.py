@@ -32,7 +32,7 @@ AMP_STATE_SIZE = sum(entry.size for entry in AMP_ENTRIES)  # 43
 FOOT_STANCE = AmpEntry("foot_stance", NUM_LEGS, "fraction of the control step", "-")
 
 
-def amp_state_size(foot_stance: bool) -> int:
+def discriminator_state_size(foot_stance: bool) -> int:
     """S, how many numbers the discriminators see of one moment: 43, or 47 with ``foot_stance``."""
     return AMP_STATE_SIZE + (FOOT_STANCE.size if foot_stance else 0)
 

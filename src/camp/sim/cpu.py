@@ -66,7 +66,7 @@ class CpuSimulator:
         self._delays.send(joint_target)
         for step in range(self.substeps):
             if step == 0 or not self._no_delay:
-                self._rows["ctrl"][:] = self._delays.arrived(step).numpy()
+                self._rows["ctrl"][:] = self._delays.arrived(step).numpy(force=True)
             self._batch.step(nstep=1)
             force = self._sensordata[:, :_FEET].reshape(-1, NUM_LEGS, 3)
             self.contact[:, step] = np.einsum("nfi,nfi->nf", force, force) > CONTACT_FORCE**2

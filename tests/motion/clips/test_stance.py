@@ -6,7 +6,9 @@ from dataclasses import replace
 
 import mujoco
 import numpy as np
+import pytest
 
+from camp.common.errors import ClipError
 from camp.common.paths import assets_root
 from camp.motion.clips.clip import amp_state, discriminator_state
 from camp.motion.clips.stance import foot_stance, with_foot_stance
@@ -33,15 +35,20 @@ def test_rows_are_what_mujoco_does_in_the_control_step_before() -> None:
         np.testing.assert_allclose(stance[row + 1], count / 4)
 
 
-def test_a_bound_flies_for_less_than_a_control_step() -> None:
+def test_touchdowns_within_a_control_step_are_seen() -> None:
     stance = foot_stance(GO2, load_clip(BOUND), 0.005)
-    flight = np.minimum.reduce(1.0 - stance, axis=1)  # at most so long all feet were up
-    assert ((flight > 0) & (flight < 1)).any()
+    assert set(np.unique(stance).tolist()) == {0.0, 0.25, 0.5, 0.75, 1.0}
 
 
-def test_motion_without_targets_has_its_own_contacts() -> None:
-    clip = replace(load_clip(BOUND), source="amp")
-    np.testing.assert_array_equal(foot_stance(GO2, clip, 0.005), clip.foot_contact)
+def test_motion_without_targets_is_refused() -> None:
+    with pytest.raises(ClipError, match=r"bound at 3 Hz, imported from amp: .*env\.foot_stance=false"):
+        foot_stance(GO2, replace(load_clip(BOUND), source="amp"), 0.005)
+
+
+def test_targets_of_other_gains_are_refused() -> None:
+    softer = replace(GO2, pd_gain_p=tuple(0.5 * gain for gain in GO2.pd_gain_p))
+    with pytest.raises(ClipError, match=r"bound at 3 Hz: .* rad away from its next rows"):
+        foot_stance(softer, load_clip(BOUND), 0.005)
 
 
 def test_the_stance_follows_the_papers_states_and_goes_into_no_file(tmp_path) -> None:

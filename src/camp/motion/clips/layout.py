@@ -37,7 +37,8 @@ _KINDS = {"foot_contact": "b"} | dict.fromkeys((*_TEXTS, *NAMES), "U") | dict.fr
 _QUATERNION_TOLERANCE = 1e-3
 
 
-FIELDS = tuple(field.name for field in fields(Clip) if field.name != "foot_stance")  # of a file
+# Keys of a clip file; `foot_stance` is computed after loading.
+FIELDS = tuple(field.name for field in fields(Clip) if field.name != "foot_stance")
 
 
 def find_problem(arrays: dict[str, np.ndarray]) -> str | None:

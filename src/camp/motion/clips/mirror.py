@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from camp.motion.clips.clip import Clip
 from camp.robots.mirror import FEET, JOINTS, QUATERNION, ROTATION, TWIST, VECTOR, Mirror
+
+
+def with_images(clips: Sequence[Clip]) -> list[Clip]:
+    """Every clip, followed by its mirror image."""
+    return [one for clip in clips for one in (clip, mirrored(clip))]
 
 
 def mirrored(clip: Clip) -> Clip:

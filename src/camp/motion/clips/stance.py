@@ -9,36 +9,53 @@ import numpy as np
 import torch
 from scipy.spatial.transform import Rotation
 
+from camp.common.errors import ClipError
 from camp.motion.clips.clip import Clip
 from camp.robots.robot import Robot
 from camp.sim.base import InitialState
 from camp.sim.cpu import CpuSimulator
 
+# Largest difference of a joint from the clip's next row, rad. The expert's clips are repeated to 1e-6, but for rows in
+# which the robot is pushed: 7e-3.
+WRONG_RAD = 0.02
+
 
 def with_foot_stance(robot: Robot, clips: Sequence[Clip], physics_timestep: float) -> list[Clip]:
-    """The clips with their ``foot_stance``: every row is simulated for one control step with its own joint targets.
-
-    The row that follows gets what was seen; a clip's first row, and motion without targets of its own, get the contact
-    that the clip has. robot: with the gains that the targets are made for; physics_timestep: s.
-    """
+    """The clips with their ``foot_stance``, see `foot_stance`. Raises ClipError as that does."""
     return [replace(clip, foot_stance=foot_stance(robot, clip, physics_timestep)) for clip in clips]
 
 
 def foot_stance(robot: Robot, clip: Clip, physics_timestep: float) -> np.ndarray:
-    """(T, 4) float32 fraction of the physics steps before each row of a clip in which each foot carried load."""
-    stance = clip.foot_contact.astype(np.float32)
-    if clip.has_targets:
-        stance[1:] = _simulated(robot, clip, physics_timestep)[:-1]
-    return stance
+    """(T, 4) float32 fraction of the physics steps before each row of a clip in which each foot carried load.
+
+    Every row is simulated for one control step with its own joint targets, and the row that follows gets what was
+    seen; the first row gets the clip's contacts. Pushes are not repeated. robot: with the gains that the targets are
+    made for; physics_timestep: s. Raises ClipError for motion without targets of its own, and where the simulation does
+    not lead to the clip's next rows.
+    """
+    named = f"clip of {clip.gait} at {clip.frequency_hz:g} Hz"
+    if not clip.has_targets:
+        raise ClipError(
+            f"{named}, imported from {clip.source}: has no joint targets to tell how long its feet stand; choose "
+            "env.foot_stance=false"
+        )
+    reached, seen = _simulated(robot, clip, physics_timestep)
+    error = np.abs(reached[:-1] - clip.joint_position[1:]).max()
+    if not error <= WRONG_RAD:
+        raise ClipError(
+            f"{named}: its joint targets lead {error:.2g} rad away from its next rows; choose env.foot_stance=false, "
+            f"or clips made for {robot.title} and a physics step of {physics_timestep:g} s"
+        )
+    return np.concatenate([clip.foot_contact[:1].astype(np.float32), seen[:-1]])
 
 
-def _simulated(robot: Robot, clip: Clip, physics_timestep: float) -> np.ndarray:
-    """(T, 4) the stance in the control step that begins with each row."""
+def _simulated(robot: Robot, clip: Clip, physics_timestep: float) -> tuple[np.ndarray, np.ndarray]:
+    """After the control step that begins with each row: joints (T, 12) rad and stance (T, 4)."""
     sim = CpuSimulator(robot, len(clip), clip.dt, physics_timestep, threads=1)
     try:
         sim.reset(torch.ones(len(clip), dtype=torch.bool), _initial(clip))
         sim.step(torch.from_numpy(clip.joint_target_applied))
-        return sim.state.foot_stance.numpy()
+        return sim.state.joint_position.numpy(), sim.state.foot_stance.numpy()
     finally:
         sim.close()
 

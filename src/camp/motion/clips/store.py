@@ -22,7 +22,7 @@ from camp.gaits.skills import Skill
 from camp.motion.clips.clip import SPLITS, TRAINING_SPLITS, Clip
 from camp.motion.clips.consistency import guard_checks
 from camp.motion.clips.layout import COUNTS, FIELDS, NAMES, find_problem, split_of
-from camp.motion.clips.mirror import mirrored
+from camp.motion.clips.mirror import with_images
 from camp.motion.clips.selection import ClipLabel, select
 from camp.robots.robot import Robot
 
@@ -98,7 +98,8 @@ def load_clips(
                 f"generate some with `{_generation(robot, folder)}` or take it out of motion.skills"
             )
     chosen = [path for path, label in labels.items() if label.gait in skills and label.split in splits]
-    return _load(robot, chosen, with_mirrored)
+    clips = _load(robot, chosen)
+    return with_images(clips) if with_mirrored else clips
 
 
 def load_skill_clips(
@@ -106,14 +107,13 @@ def load_skill_clips(
     folder: Path,
     skills: Sequence[Skill],
     frequencies_hz: Sequence[float],
-    with_mirrored: bool = False,
 ) -> list[Clip]:
     """Clips of a robot for training: of the skills and, whatever their labels, near one of the stride frequencies.
 
     Otherwise as `load_clips`. Raises ClipError where a skill has none; it lists what the folder holds, and what to
     ask for instead.
     """
-    return _load(robot, select(folder, _labels(robot, folder), skills, frequencies_hz), with_mirrored)
+    return _load(robot, select(folder, _labels(robot, folder), skills, frequencies_hz))
 
 
 def clip_label(path: Path) -> ClipLabel:
@@ -141,12 +141,12 @@ def _generation(robot: Robot, folder: Path) -> str:
     return command("camp.dataset", "--robot", robot.name, "--folder", str(folder))
 
 
-def _load(robot: Robot, paths: Sequence[Path], with_mirrored: bool) -> list[Clip]:
+def _load(robot: Robot, paths: Sequence[Path]) -> list[Clip]:
     clips = []
     for path in paths:
         clip = load_clip(path)
         _refuse_inconsistent(robot, path, clip)
-        clips += [clip, mirrored(clip)] if with_mirrored else [clip]
+        clips.append(clip)
     return clips
 
 
