@@ -88,12 +88,12 @@ def test_the_shipped_studies_are_whole(monkeypatch):
     root = repository_root()
     assert root is not None
     paths = sorted((root / "ablations" / "studies").glob("*.yaml"))
-    assert {"reduced", "full", "retention", "two_skills", "eight_skills", "recipe"} == {
+    assert {"reduced", "full", "retention", "two_skills", "eight_skills", "recipe", "refinements"} == {
         read_study(path).name for path in paths
     }
     for path in paths:
         study = read_study(path)
-        assert study.name == path.stem and len(study.seeds) >= (2 if study.name == "recipe" else 3)
+        assert study.name == path.stem and len(study.seeds) >= (2 if study.name in ("recipe", "refinements") else 3)
         assert "algo.style.mismatch_fraction=0.0" in study.preset
 
 
