@@ -17,7 +17,8 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
+from itertools import combinations
 from pathlib import Path
 
 import yaml
@@ -28,6 +29,7 @@ from camp.common.errors import ConfigError
 from camp.common.foreign import first_problem
 from camp.config.compose import compose_config
 from camp.config.hydra_errors import INPUT_ERRORS, describe
+from camp.config.schema import Config
 
 _STRICT = ConfigDict(extra="forbid")
 
@@ -99,11 +101,18 @@ def _check(study: Study, path: Path) -> None:
         raise ConfigError(f"study {path}: name {bad[0]!r}: use small letters, digits and _")
     if not study.arms or not study.seeds or len(set(study.seeds)) < len(study.seeds):
         raise ConfigError(f"study {path}: arms and seeds: give one or more of each, each once")
+    composed: dict[str, Config] = {}
     for arm in study.arms:
         try:
-            compose_config(job_of(study, arm, study.seeds[0]).overrides)
+            composed[arm] = replace(compose_config(job_of(study, arm, study.seeds[0]).overrides), variant="")
         except INPUT_ERRORS as error:
             raise ConfigError(f"study {path}: arm {arm}: {describe(error)}") from error
+    for one, other in combinations(study.arms, 2):
+        if composed[one] == composed[other]:
+            raise ConfigError(
+                f"study {path}: arms {one} and {other} train the same; a value of the preset wins over one of an arm's "
+                "file, so give it in the arm again, or take it out of the preset"
+            )
 
 
 def job_of(study: Study, arm: str, seed: int) -> Job:

@@ -83,8 +83,24 @@ def test_a_wrong_study_is_one_line(old, new, words, tiny):
     assert all(word in str(error.value) for word in words)
 
 
-def test_the_shipped_studies_are_whole(monkeypatch):
-    monkeypatch.setattr("analysis.study.compose_config", lambda overrides: None)
+def test_an_arm_that_the_preset_undoes_is_refused(tiny):
+    tiny.write_text(
+        TINY.format(arms="[full, with_mismatch]").replace("preset: [", "preset: [algo.style.mismatch_fraction=0.0, ")
+    )
+    with pytest.raises(ConfigError, match="arms full and with_mismatch train the same"):
+        read_study(tiny)
+    tiny.write_text(
+        tiny.read_text().replace(
+            "arms: [full, with_mismatch]",
+            """arms:
+  full: [+ablation=full]
+  with_mismatch: [+ablation=with_mismatch, algo.style.mismatch_fraction=0.5]""",
+        )
+    )
+    assert list(read_study(tiny).arms) == ["full", "with_mismatch"]
+
+
+def test_the_shipped_studies_are_whole():
     root = repository_root()
     assert root is not None
     paths = sorted((root / "ablations" / "studies").glob("*.yaml"))
