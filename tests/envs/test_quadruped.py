@@ -97,7 +97,7 @@ def test_reference_state_initialization_starts_in_a_clip(config, clips):
     for robot in range(8):
         skill = config.motion.skills[int(env.skill[robot])]
         states = np.concatenate([amp_state(clip) for clip in clips if clip.gait == skill])
-        assert np.abs(states - env.amp_state[robot].numpy()).max(axis=1).min() < 1e-4
+        assert np.abs(states - env.motion.newest[robot].numpy()).max(axis=1).min() < 1e-4
 
 
 def test_standing_start_is_at_rest_on_the_ground(config, clips):
@@ -116,24 +116,24 @@ def test_transitions_and_final_observations_are_taken_before_the_reset(config, c
     env = make(config, clips)
     for _ in range(4):
         env.advance(ZERO)
-    before = env.amp_state.clone()
+    before = env.motion.newest.clone()
     step = env.advance(ZERO)
     torch.testing.assert_close(step.transition[:, 0], before)
     assert step.truncated.all() and not step.terminated.any()
     # The successor continues the old episode: a control step apart, joints cannot have moved far ...
     assert (step.transition[:, 1, :12] - step.transition[:, 0, :12]).abs().max() < 0.5
     # ... while the state after the reset is another one, and is what the next pair begins with.
-    assert not torch.allclose(step.transition[:, 1], env.amp_state)
+    assert not torch.allclose(step.transition[:, 1], env.motion.newest)
     assert not torch.allclose(step.final_observation, step.observation)
     assert (env.step_count == 0).all()
-    begin = env.amp_state.clone()
+    begin = env.motion.newest.clone()
     torch.testing.assert_close(env.advance(ZERO).transition[:, 0], begin)
 
 
 def test_transitions_hold_states_of_the_configured_ages(config, clips):
     config.env.transition_ages = [5, 2, 0]
     env = make(config, clips)
-    seen = list(env.amp_history.unbind(dim=1))
+    seen = list(env.motion.states.unbind(dim=1))
     assert len(seen) == 5
     for _ in range(8):
         step = env.advance(ZERO)
@@ -151,9 +151,9 @@ def test_an_episode_begins_with_its_clips_past_or_with_having_stood(config, clip
     states = [amp_state(clip) for clip in clips]
     windows = np.concatenate([np.stack([s[i : len(s) - 3 + i] for i in range(4)], axis=1) for s in states])
     for robot in range(8):
-        assert np.abs(windows - env.amp_history[robot].numpy()).max(axis=(1, 2)).min() < 1e-4
+        assert np.abs(windows - env.motion.states[robot].numpy()).max(axis=(1, 2)).min() < 1e-4
     config.env.initialization.reference_fraction = 0.0
-    standing = make(config, clips).amp_history
+    standing = make(config, clips).motion.states
     assert torch.equal(standing, standing[:, -1:].expand(-1, 4, -1)) and (standing[..., 12:24] == 0).all()
 
 
@@ -183,7 +183,7 @@ def test_foot_stance_follows_the_amp_states(config, bounds):
         step = env.advance(ZERO)
         going = ~(step.terminated | step.truncated)
         torch.testing.assert_close(step.transition[going, 1, 43:], env.sim.state.foot_stance[going])
-        torch.testing.assert_close(env.amp_state[going, :43], measure(GO2, env.sim.state).amp_state()[going])
+        torch.testing.assert_close(env.motion.newest[going, :43], measure(GO2, env.sim.state).amp_state()[going])
 
 
 def test_an_episode_begins_with_the_stance_of_its_clip_or_on_the_feet_that_are_down(config, bounds):
@@ -191,12 +191,12 @@ def test_an_episode_begins_with_the_stance_of_its_clip_or_on_the_feet_that_are_d
     windows = np.concatenate([np.stack([s[i : len(s) - 3 + i] for i in range(4)], axis=1) for s in states])
     env = make(config, bounds)
     for robot in range(8):
-        assert np.abs(windows - env.amp_history[robot].numpy()).max(axis=(1, 2)).min() < 1e-4
+        assert np.abs(windows - env.motion.states[robot].numpy()).max(axis=(1, 2)).min() < 1e-4
     config.env.initialization.reference_fraction = 0.0
     standing = make(config, bounds)
     down = foot_height(GO2, measure(GO2, standing.sim.state)) < 1e-3
     assert down.sum(dim=1).min() >= 1 and not down.all()  # joints are drawn, and the lowest foot is on the ground
-    assert torch.equal(standing.amp_history[..., 43:], down.float()[:, None].expand(-1, 4, -1))
+    assert torch.equal(standing.motion.states[..., 43:], down.float()[:, None].expand(-1, 4, -1))
 
 
 @pytest.mark.parametrize("ages", [[0], [1], [0, 1], [2, 2, 0], []])
@@ -373,11 +373,11 @@ def test_starts_are_drawn_anew_on_a_clock(config, clips):
     config.env.episode_s = STARTS_PERIOD_S
     env = make(config, clips)
     steps = round(STARTS_PERIOD_S / 0.02)
-    first = env.amp_state.clone(), env.dynamics.payload_mass.clone()
+    first = env.motion.newest.clone(), env.dynamics.payload_mass.clone()
     for _ in range(steps):
         env.advance(ZERO)
     assert (env.step_count == 0).all()  # every episode has ended, and begun with another start
-    assert not (first[0] == env.amp_state).all(dim=1).any()
+    assert not (first[0] == env.motion.newest).all(dim=1).any()
     assert not (first[1] == env.dynamics.payload_mass).any()
 
 
@@ -385,7 +385,7 @@ def test_a_start_is_what_the_simulator_then_shows(config, clips):
     config.env.randomization.enabled = True
     env = make(config, clips)
     measured = measure(env.robot, env.sim.state)
-    torch.testing.assert_close(env.amp_state, measured.amp_state())
+    torch.testing.assert_close(env.motion.newest, measured.amp_state())
     observation = env.set_command(env.command, env.skill)
     env.reset(seed=0, options={"stagger": False})
     torch.testing.assert_close(env.observation, observation)
@@ -396,7 +396,9 @@ def test_a_start_is_what_the_simulator_then_shows(config, clips):
 def test_the_reward_is_of_the_average_velocity(config, clips):
     config.env.reward.velocity_average_s = 0.4  # a step of .02 s moves the average by a twentieth
     env = make(config, clips)
-    torch.testing.assert_close(env.average_velocity, env.command * (env.amp_state[:, 24:27].norm(dim=1) > 0)[:, None])
+    torch.testing.assert_close(
+        env.average_velocity, env.command * (env.motion.newest[:, 24:27].norm(dim=1) > 0)[:, None]
+    )
     before = env.average_velocity
     step = env.advance(ZERO)
     expected = 0.95 * before + 0.05 * step.velocity

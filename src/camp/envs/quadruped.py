@@ -20,6 +20,7 @@ from camp.envs.commands import sample_commands, sample_skills, uniform
 from camp.envs.config import EXTERNAL, EnvConfig
 from camp.envs.divergence import FirstCase, judged, per_robot
 from camp.envs.measurement import Measurement, measure
+from camp.envs.motion_history import MotionHistory
 from camp.envs.randomization import randomization_at, sample_dynamics
 from camp.envs.rewards import active_terms, averaged, mix_rewards, task_rewards
 from camp.envs.situation import Before, Setup, Situation
@@ -27,7 +28,7 @@ from camp.envs.skill_schedule import SkillSchedule
 from camp.envs.starts import Starts, draw_starts
 from camp.envs.terminations import failed
 from camp.motion.clips.sampler import ReferenceStates
-from camp.robots.amp_state import amp_slice, discriminator_state_size
+from camp.robots.amp_state import amp_slice
 from camp.robots.quadruped import NUM_JOINTS
 from camp.sim.base import Dynamics, RobotState, Simulator, select
 
@@ -101,9 +102,7 @@ class QuadrupedEnv(VectorEnv):
         self._before = Before(self.last_action, self.last_action)
         self.average_velocity = torch.zeros(num, 3, device=device)  # of the last strides, as the reward takes it
         self.dynamics = Dynamics.nominal(num, config.randomization.nominal_friction, device)
-        self._ages = tuple(config.transition_ages)
-        state_size = discriminator_state_size(config.foot_stance)
-        self.amp_history = torch.zeros(num, self._ages[0], state_size, device=device)  # the last A states
+        self.motion = MotionHistory(num, config.transition_ages, config.foot_stance, device)
         self.num_diverged = torch.zeros((), dtype=torch.int64, device=device)  # simulations since construction
         self.first_diverged = FirstCase(device)
         self.default_pose = constant(self.robot.default_joint_position, self.command)
@@ -149,7 +148,7 @@ class QuadrupedEnv(VectorEnv):
             self._draw_starts()
         self._steps_to_draw -= 1
         self.num_steps += 1
-        self._before = Before(self.last_action, self.amp_state[:, _JOINT_VELOCITY])
+        self._before = Before(self.last_action, self.motion.newest[:, _JOINT_VELOCITY])
         self.last_action = action
         self._push()
         before, target = per_robot(self.sim.state_dict()), self.default_pose + self.action_scale * action
@@ -161,14 +160,7 @@ class QuadrupedEnv(VectorEnv):
         self.first_diverged.note(diverged, self._case(before, given, target, reached))
         measurement = measure(self.robot, state)
         self.num_diverged = self.num_diverged + diverged.sum()
-        # A robot whose simulation diverged has no successor state: its last pair stands still.
-        amp_state = measurement.amp_state()
-        if self.config.foot_stance:
-            amp_state = torch.cat([amp_state, state.foot_stance], dim=1)
-        successor = torch.where(diverged[:, None], self.amp_state, amp_state)
-        history = torch.cat([self.amp_history, successor[:, None]], dim=1)  # (N, A + 1, S)
-        transition = torch.stack([history[:, -1 - age] for age in self._ages], dim=1)
-        self.amp_history = history[:, 1:]
+        transition = self.motion.move_on(measurement, state.foot_stance, diverged)
         velocity = measurement.velocity()
         self.average_velocity = averaged(
             self.average_velocity, velocity, self.sim.control_period, self.config.reward.velocity_average_s
@@ -221,6 +213,7 @@ class QuadrupedEnv(VectorEnv):
     def state_dict(self) -> dict[str, Any]:
         """Everything a bit-for-bit continuation needs, the simulator and the random state included."""
         state: dict[str, Any] = {name: getattr(self, name) for name in _STATE}
+        state["amp_history"] = self.motion.states
         state["dynamics"] = self.dynamics.tensors()
         state["starts"] = self._starts.state_dict()
         state["starts_observed"] = vars(self._starts_observed)
@@ -237,10 +230,11 @@ class QuadrupedEnv(VectorEnv):
         state = _with_history(copied(state, self._device))
         for name in _STATE:
             setattr(self, name, state[name])
+        self.motion.states = state["amp_history"]
         self.dynamics = Dynamics.from_tensors(state["dynamics"])
         self._starts = Starts.from_state_dict(state["starts"])
         self._starts_observed = _Observed(**state["starts_observed"])
-        self._before = Before(self.last_action, self.amp_state[:, _JOINT_VELOCITY])
+        self._before = Before(self.last_action, self.motion.newest[:, _JOINT_VELOCITY])
         self._steps_to_draw = state["steps_to_draw"]
         self.num_steps = state.get("num_steps", 0)  # before env.episode_growth nobody counted
         self.difficulty = state.get("difficulty", 1.0)  # before env.hardening there was none
@@ -254,11 +248,6 @@ class QuadrupedEnv(VectorEnv):
 
     def close(self, **kwargs: Any) -> None:
         self.sim.close()
-
-    @property
-    def amp_state(self) -> Tensor:
-        """(N, S) what the discriminators see of every robot now."""
-        return self.amp_history[:, -1]
 
     def _episode_steps(self) -> int | Tensor:
         """Control steps until an episode is truncated now, of all robots or (N,); grows with ``env.episode_growth``."""
@@ -318,7 +307,7 @@ class QuadrupedEnv(VectorEnv):
             select(mask, action, self._before.action),
             select(mask, starts.initial.joint_velocity, self._before.joint_velocity),
         )
-        self.amp_history = select(mask, starts.amp_history, self.amp_history)
+        self.motion.begin(mask, starts.amp_history)
         self.observation = select(mask, observed.observation, self.observation)
         self.privileged = select(mask, observed.privileged, self.privileged)
 
@@ -393,7 +382,6 @@ _STATE = (
     "skill",
     "last_action",
     "average_velocity",
-    "amp_history",
     "observation",
     "privileged",
     "num_diverged",

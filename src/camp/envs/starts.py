@@ -13,6 +13,7 @@ from camp.envs import initialization
 from camp.envs.commands import sample_commands, uniform
 from camp.envs.config import EnvConfig
 from camp.envs.measurement import foot_height, measure
+from camp.envs.motion_history import discriminator_state
 from camp.motion.clips.sampler import ReferenceStates
 from camp.robots.amp_state import AMP_STATE_SIZE
 from camp.robots.robot import Robot
@@ -62,13 +63,11 @@ def draw_starts(
     target = reference.joint_target_applied_previous
     row = at_reference[:, None]
     # Measured, not read: a clip's own last state may differ in the last digit. Who stands has stood before.
-    measurement = measure(robot, initial.robot_state())
-    present = measurement.amp_state()
+    measurement, stance = measure(robot, initial.robot_state()), None
     if config.foot_stance:
         standing = (foot_height(robot, measurement) < TOUCHING_M).float()
         stance = torch.where(row, reference.amp_history[:, -1, AMP_STATE_SIZE:], standing)
-        present = torch.cat([present, stance], dim=1)
-    present = present[:, None]
+    present = discriminator_state(measurement, stance)[:, None]
     past = torch.where(row[..., None], reference.amp_history, present)
     # A robot set into a clip goes on with the clip's command, and remembers the clip's last target.
     return Starts(
