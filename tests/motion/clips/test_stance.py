@@ -10,9 +10,10 @@ import pytest
 
 from camp.common.errors import ClipError
 from camp.common.paths import assets_root
+from camp.gaits.schedule import GAIT_PHASES
 from camp.motion.clips.clip import amp_state, discriminator_state
 from camp.motion.clips.stance import foot_stance, with_foot_stance
-from camp.motion.clips.store import load_clip, save_clip
+from camp.motion.clips.store import load_clip, load_clips, save_clip
 from camp.robots.go2 import GO2
 
 BOUND = assets_root() / "motions" / "go2" / "bound_3hz_turn_right_0.6.npz"
@@ -46,9 +47,14 @@ def test_motion_without_targets_is_refused() -> None:
 
 
 def test_targets_of_other_gains_are_refused() -> None:
-    softer = replace(GO2, pd_gain_p=tuple(0.5 * gain for gain in GO2.pd_gain_p))
+    softer = replace(GO2, pd_gain_p=tuple(0.9 * gain for gain in GO2.pd_gain_p))
     with pytest.raises(ClipError, match=r"bound at 3 Hz: .* rad away from its next rows"):
         foot_stance(softer, load_clip(BOUND), 0.005)
+
+
+def test_shipped_clips_are_all_repeated() -> None:
+    clips = load_clips(GO2, BOUND.parent, tuple(GAIT_PHASES))
+    assert len(with_foot_stance(GO2, clips, 0.005)) == len(clips)
 
 
 def test_the_stance_follows_the_papers_states_and_goes_into_no_file(tmp_path) -> None:

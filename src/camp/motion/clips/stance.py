@@ -15,9 +15,9 @@ from camp.robots.robot import Robot
 from camp.sim.base import InitialState
 from camp.sim.cpu import CpuSimulator
 
-# Largest difference of a joint from the clip's next row, rad. The expert's clips are repeated to 1e-6, but for rows in
-# which the robot is pushed: 7e-3.
-WRONG_RAD = 0.02
+# Of the joint that is furthest from the clip's next row, rad, median over the rows. Shipped clips have 1e-7, and 0.02 in
+# single rows, where the robot is pushed or a foot slips; with gains of nine tenths it is 4e-3.
+WRONG_RAD = 1e-3
 
 
 def with_foot_stance(robot: Robot, clips: Sequence[Clip], physics_timestep: float) -> list[Clip]:
@@ -40,7 +40,7 @@ def foot_stance(robot: Robot, clip: Clip, physics_timestep: float) -> np.ndarray
             "env.foot_stance=false"
         )
     reached, seen = _simulated(robot, clip, physics_timestep)
-    error = np.abs(reached[:-1] - clip.joint_position[1:]).max()
+    error = np.median(np.abs(reached[:-1] - clip.joint_position[1:]).max(axis=1))
     if not error <= WRONG_RAD:
         raise ClipError(
             f"{named}: its joint targets lead {error:.2g} rad away from its next rows; choose env.foot_stance=false, "
