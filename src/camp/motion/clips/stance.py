@@ -15,8 +15,8 @@ from camp.robots.robot import Robot
 from camp.sim.base import InitialState
 from camp.sim.cpu import CpuSimulator
 
-# Of the joint that is furthest from the clip's next row, rad, median over the rows. Shipped clips have 1e-7, and 0.02 in
-# single rows, where the robot is pushed or a foot slips; with gains of nine tenths it is 4e-3.
+# Of the joint that is furthest from the clip's next row, rad, median over the rows. Shipped clips have 1e-7, and up to
+# 0.02 in single rows, where the robot is pushed or a foot slips; with gains of nine tenths it is 4e-3.
 WRONG_RAD = 1e-3
 
 
