@@ -11,7 +11,6 @@ from matplotlib.patches import FancyBboxPatch
 from analysis.style import GREY, INK, PAGE, new_figure, style
 from camp.config.schema import Config
 from camp.envs.observations import entries_of, size
-from camp.robots.amp_state import discriminator_state_size
 from camp.robots.quadruped import NUM_JOINTS
 
 POLICY, STYLE, SKILL, DATA = "#0072B2", "#D55E00", "#009E73", "#7A7A7A"
@@ -44,7 +43,7 @@ def compute_boxes(config: Config) -> dict[str, Box]:
     algo, env, skills = config.algo, config.env, config.motion.skill_set()
     observed = size(entries_of(env.observation.policy, len(skills)))
     privileged = size(entries_of(env.observation.critic, len(skills)))
-    state = f"{len(env.transition_ages)} x {discriminator_state_size(env.foot_stance)}"
+    state = "{} x {}".format(*env.transition_shape())
     condition = f" | z {algo.embedding_size}" if algo.style.conditional else ", no condition"
     rate = 1.0 / env.control_period_s
     boxes = {

@@ -18,7 +18,6 @@ from camp.algo.models import SkillEmbedding
 from camp.algo.skill import SkillPrior
 from camp.algo.style import StylePrior
 from camp.config.schema import Config
-from camp.robots.amp_state import discriminator_state_size
 
 NUMBERS = (1, 2, 4, 8, 12, 16)
 
@@ -35,8 +34,7 @@ class SkillCost:
 
 def compute_cost(config: Config, numbers: Sequence[int] = NUMBERS) -> SkillCost:
     """Count what the priors of these networks would learn."""
-    shape = (len(config.env.transition_ages), discriminator_state_size(config.env.foot_stance))
-    source = torch.Generator().manual_seed(0)
+    shape, source = config.env.transition_shape(), torch.Generator().manual_seed(0)
     conditional = replace(config.algo.style, conditional=True, mismatch_fraction=0.0, replay_size=0)
     shared, separate = [], []
     for number in numbers:

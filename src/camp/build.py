@@ -33,7 +33,6 @@ from camp.motion.clips.mirror import with_images
 from camp.motion.clips.sampler import Demonstrations, ReferenceStates
 from camp.motion.clips.stance import with_foot_stance
 from camp.motion.clips.store import load_skill_clips
-from camp.robots.amp_state import discriminator_state_size
 from camp.robots.config import RobotConfig
 from camp.robots.mirror import JOINTS
 from camp.robots.quadruped import NUM_JOINTS, NUM_LEGS
@@ -214,7 +213,7 @@ def load_run(folder: Path) -> Run:
         actor.load_state_dict(state.actor)
         if state.skill_prior is not None:
             embedding = SkillEmbedding(len(skills), config.algo.embedding_size, weights)
-            skill_prior = SkillPrior(config.algo.skill, embedding, skills, _motion_shape(config), weights)
+            skill_prior = SkillPrior(config.algo.skill, embedding, skills, config.env.transition_shape(), weights)
             skill_prior.load_state_dict(state.skill_prior)
     except INCOMPATIBLE as error:
         raise incompatible(folder, error) from error
@@ -249,15 +248,10 @@ def _observed(config: Config) -> tuple[int, int]:
 
 def build_priors(config: Config, embedding: SkillEmbedding, weights: torch.Generator) -> list[Prior]:
     """The style and the skill prior, as far as they are enabled, on the embedding's device."""
-    algo, skills, shape = config.algo, names(config.motion.skill_set()), _motion_shape(config)
+    algo, skills, shape = config.algo, names(config.motion.skill_set()), config.env.transition_shape()
     priors: list[Prior] = []
     if algo.style.enabled:
         priors.append(StylePrior(algo.style, embedding, skills, shape, weights))
     if algo.skill.enabled:
         priors.append(SkillPrior(algo.skill, embedding, skills, shape, weights))
     return priors
-
-
-def _motion_shape(config: Config) -> tuple[int, int]:
-    """(F, S) of a transition."""
-    return len(config.env.transition_ages), discriminator_state_size(config.env.foot_stance)

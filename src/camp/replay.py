@@ -73,7 +73,7 @@ def simulate(dump: Dump) -> Replay:
     sim = CpuSimulator(robot, 1, timestep, timestep, threads=1)
     dynamics, before = _dynamics(dump, sim.device), _batch(dump.part("before"))
     sim.prepare(replace(dynamics, delay=torch.zeros(1)))  # the late targets are sent by hand
-    sim.reset(torch.ones(1, dtype=torch.bool), _initial(before["qpos"].float(), before["qvel"].float()))
+    sim.reset(torch.ones(1, dtype=torch.bool), InitialState.from_model(before["qpos"].float(), before["qvel"].float()))
     own = {name: value for name, value in sim.state_dict().items() if isinstance(value, Tensor)}
     sim.load_state_dict(own | _fitting(before, own))
     targets = _targets(dump, before)
@@ -202,10 +202,6 @@ def _fitting(found: dict[str, Tensor], own: dict[str, Tensor]) -> dict[str, Tens
 
 def _batch(arrays: dict[str, np.ndarray]) -> dict[str, Tensor]:
     return {name: torch.from_numpy(array)[None] for name, array in arrays.items()}
-
-
-def _initial(qpos: Tensor, qvel: Tensor) -> InitialState:
-    return InitialState(qpos[:, :3], qpos[:, 3:7], qvel[:, :3], qvel[:, 3:6], qpos[:, 7:], qvel[:, 6:])
 
 
 def _film(done: Replay, path: Path) -> None:

@@ -26,7 +26,6 @@ from camp.evaluation.composing import compose_evaluation
 from camp.evaluation.contract import contract_on
 from camp.evaluation.controllers import Standing, robot_of
 from camp.evaluation.evaluator import Evaluator, Subject
-from camp.evaluation.floor import on_floor
 from camp.evaluation.policies import contract_of_metadata, contract_of_run
 from camp.evaluation.suite import stamp
 from camp.motion.clips.clip import Clip
@@ -41,7 +40,7 @@ from camp.robots import registry
 from camp.robots.go2 import GO2
 from camp.robots.quadruped import FOOT_NAMES
 from camp.robots.robot import Robot
-from camp.sim.base import Dynamics
+from camp.sim.base import Dynamics, InitialState
 from camp.sim.cpu import CpuSimulator
 from camp.sim.motors import MotorLaw
 from camp.training.imitation_data import imitation_data
@@ -179,7 +178,9 @@ def test_the_judges_baselines_stand_in_its_pose(robot, config):
     standing.start(held)
     sight: Any = None
     torch.testing.assert_close(standing(sight)[1], torch.tensor(robot.default_joint_position))
-    torch.testing.assert_close(on_floor(robot, 2).joint_position[0], torch.tensor(robot.default_joint_position))
+    torch.testing.assert_close(
+        InitialState.standing(robot.load_model(), 2, CPU).joint_position[0], torch.tensor(robot.default_joint_position)
+    )
 
 
 def test_the_judge_stands_it_on_its_feet(robot, clip, config):

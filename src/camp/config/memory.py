@@ -13,7 +13,6 @@ from camp.common.errors import ConfigError
 from camp.config.devices import learner_device
 from camp.config.schema import Config
 from camp.envs.observations import sizes
-from camp.robots.amp_state import discriminator_state_size
 from camp.robots.quadruped import NUM_JOINTS
 
 FLOAT = 4  # bytes
@@ -29,8 +28,8 @@ def parts(config: Config) -> dict[str, int]:
     Rough, and rather too little than too much: what is refused cannot run.
     """
     run, inputs = config.run, sum(sizes(config.env.observation, len(config.motion.skill_set())))
-    state = discriminator_state_size(config.env.foot_stance)
-    motion = len(config.env.transition_ages) * state
+    frames, state = config.env.transition_shape()
+    motion = frames * state
     step = 2 * inputs + motion + 3 * NUM_JOINTS + 20
     robots, samples = config.sim.num_envs, run.rollout_steps * config.sim.num_envs
     bytes_per_robot = 2 * FLOAT * (config.env.transition_ages[0] * state + 300)

@@ -9,6 +9,7 @@ from omegaconf import MISSING
 
 from camp.common import checks
 from camp.common.bounds import Fraction, Friction, Kick, Scale, Seconds, SecondsOrZero, Speed, Spin, Within
+from camp.robots.amp_state import discriminator_state_size
 from camp.sim.delay import LONGEST_DELAY
 
 # Who gives commands and skills: random ones on a clock, or whoever calls `QuadrupedEnv.set_command`.
@@ -235,6 +236,10 @@ class EnvConfig:
     randomization: RandomizationConfig = field(default_factory=RandomizationConfig)
     push: PushConfig = field(default_factory=PushConfig)
     initialization: InitializationConfig = field(default_factory=InitializationConfig)
+
+    def transition_shape(self) -> tuple[int, int]:
+        """(F, S) of what the discriminators judge: so many states, each of so many numbers."""
+        return len(self.transition_ages), discriminator_state_size(self.foot_stance)
 
     def check(self) -> None:
         checks.require(

@@ -16,10 +16,9 @@ from camp.envs.config import NoiseConfig, TerminationConfig
 from camp.envs.measurement import Measurement, measure
 from camp.envs.terminations import failed
 from camp.evaluation.controllers import Controller, Sight
-from camp.evaluation.floor import on_floor
 from camp.evaluation.plan import Plan, joined
 from camp.robots.robot import Robot
-from camp.sim.base import RobotState
+from camp.sim.base import InitialState, RobotState
 from camp.sim.cpu import CpuSimulator
 from camp.sim.divergence import diverged
 
@@ -73,7 +72,8 @@ def roll_out(jobs: Sequence[tuple[Plan, Controller]], setting: Setting, track: T
         for rows, _, controller, _ in groups:
             controller.start(whole.starts.joint_target[rows])
         notes = _Notes(num, steps, sim)
-        target, change, floor = torch.zeros(num, 12), torch.zeros(num, 3), on_floor(setting.robot, num)
+        target, change = torch.zeros(num, 12), torch.zeros(num, 3)
+        floor = InitialState.standing(sim.model, num, sim.device)  # where those that fell lie from then on
         held = whole.starts.joint_target.clone()
         for step in track(range(steps), "walking, control steps"):
             true = measure(setting.robot, sim.state)

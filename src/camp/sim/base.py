@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any, Protocol, Self
 
+import mujoco
 import torch
 from torch import Tensor
 
@@ -72,6 +73,17 @@ class InitialState:
     base_angular_velocity: Tensor  # (n, 3) rad/s, base frame
     joint_position: Tensor  # (n, 12) rad
     joint_velocity: Tensor  # (n, 12) rad/s
+
+    @classmethod
+    def from_model(cls, qpos: Tensor, qvel: Tensor) -> Self:
+        """Views of MuJoCo's generalized positions (n, 19) and velocities (n, 18)."""
+        return cls(qpos[:, 0:3], qpos[:, 3:7], qvel[:, 0:3], qvel[:, 3:6], qpos[:, 7:], qvel[:, 6:])
+
+    @classmethod
+    def standing(cls, model: mujoco.MjModel, num: int, device: torch.device) -> Self:
+        """``num`` robots at rest in the model's keyframe "stand"."""
+        qpos = torch.tensor(model.key("stand").qpos, dtype=torch.float32, device=device).expand(num, -1)
+        return cls.from_model(qpos, torch.zeros(num, model.nv, device=device))
 
     def qpos(self) -> Tensor:
         """(n, 19) MuJoCo's generalized position: base position, base quaternion, joint positions."""

@@ -12,7 +12,7 @@ import warp as wp
 from torch import Tensor
 
 from camp.common.errors import SimulationError
-from camp.robots.quadruped import CONTACT_FORCE, NUM_JOINTS, NUM_LEGS
+from camp.robots.quadruped import CONTACT_FORCE, NUM_LEGS
 from camp.robots.robot import Robot
 from camp.sim.base import Dynamics, InitialState, RobotState, select
 from camp.sim.cuda_graph import CudaGraph
@@ -86,7 +86,7 @@ class GpuSimulator:
         self._overflow.zero_()
         self.prepare(Dynamics.nominal(num_envs, nominal_friction(self.model), self.device))
         everyone = torch.ones(num_envs, dtype=torch.bool, device=self.device)
-        self.reset(everyone, _standing(self.model, num_envs, self.device))
+        self.reset(everyone, InitialState.standing(self.model, num_envs, self.device))
 
     @property
     def state(self) -> RobotState:
@@ -182,16 +182,3 @@ class _NextDynamics:
 def _replace(target: Tensor, mask: Tensor, values: Tensor) -> None:
     """Overwrite the rows of ``mask`` (N,) bool with those of ``values``, in place."""
     target.copy_(select(mask, values, target))
-
-
-def _standing(model: mujoco.MjModel, num: int, device: torch.device) -> InitialState:
-    """The model's keyframe "stand"."""
-    qpos = torch.tensor(model.key("stand").qpos, dtype=torch.float32, device=device).expand(num, -1)
-    return InitialState(
-        base_position=qpos[:, 0:3],
-        base_quaternion=qpos[:, 3:7],
-        base_linear_velocity=torch.zeros(num, 3, device=device),
-        base_angular_velocity=torch.zeros(num, 3, device=device),
-        joint_position=qpos[:, 7:],
-        joint_velocity=torch.zeros(num, NUM_JOINTS, device=device),
-    )

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import torch
-from scipy.spatial.transform import Rotation
 
 from camp.common.errors import ClipError
 from camp.motion.clips.clip import Clip
+from camp.motion.clips.consistency import rotation_matrix
 from camp.robots.robot import Robot
 from camp.sim.base import InitialState
 from camp.sim.cpu import CpuSimulator
@@ -62,11 +62,11 @@ def _simulated(robot: Robot, clip: Clip, physics_timestep: float) -> tuple[np.nd
 
 def _initial(clip: Clip) -> InitialState:
     """Every row of the clip."""
-    to_world = Rotation.from_quat(clip.base_quaternion, scalar_first=True)
+    to_world = rotation_matrix(clip.base_quaternion)
     rows = {
         "base_position": clip.base_position,
         "base_quaternion": clip.base_quaternion,
-        "base_linear_velocity": to_world.apply(clip.base_linear_velocity),
+        "base_linear_velocity": np.einsum("tij,tj->ti", to_world, clip.base_linear_velocity),
         "base_angular_velocity": clip.base_angular_velocity,
         "joint_position": clip.joint_position,
         "joint_velocity": clip.joint_velocity,
