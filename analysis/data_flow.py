@@ -9,8 +9,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch
 
 from analysis.style import GREY, INK, PAGE, new_figure, style
+from camp.algo.config import ImitationConfig
 from camp.config.schema import Config
-from camp.envs.observations import entries_of, size
+from camp.envs.observations import sizes
+from camp.motion.clips.clip import TRAINING_SPLITS
 from camp.robots.quadruped import NUM_JOINTS
 
 POLICY, STYLE, SKILL, DATA = "#0072B2", "#D55E00", "#009E73", "#7A7A7A"
@@ -41,19 +43,20 @@ class Arrow:
 def compute_boxes(config: Config) -> dict[str, Box]:
     """The boxes, by what they are; a prior that is not built is left out."""
     algo, env, skills = config.algo, config.env, config.motion.skill_set()
-    observed = size(entries_of(env.observation.policy, len(skills)))
-    privileged = size(entries_of(env.observation.critic, len(skills)))
+    observed, privileged = sizes(env.observation, len(skills))
     state = "{} x {}".format(*env.transition_shape())
     condition = f" | z {algo.embedding_size}" if algo.style.conditional else ", no condition"
-    rate = 1.0 / env.control_period_s
+    targets = f"targets at {1.0 / env.control_period_s:.0f} Hz"
     boxes = {
         "command": Box(0, 33, 17, 11, DATA, ("command", "velocity 3", _skills_line(config))),
         "actor": Box(25, 33, 19, 11, POLICY, ("actor", _layers(observed, algo.actor.hidden, NUM_JOINTS))),
         "critic": Box(25, 17, 19, 10, POLICY, ("critic", _layers(observed + privileged, algo.critic.hidden, 1))),
-        "robots": Box(53, 33, 19, 11, DATA, ("simulation", f"{config.sim.num_envs} robots", f"PD, {rate:.0f} Hz")),
-        "expert": Box(80, 33, 20, 11, DATA, ("expert clips", _frequencies(config), "steady, varied, pushed")),
+        "robots": Box(53, 33, 19, 11, DATA, ("simulation", f"{config.sim.num_envs} robots", targets)),
+        "expert": Box(80, 33, 20, 11, DATA, ("expert clips", _frequencies(config), ", ".join(TRAINING_SPLITS))),
         "ppo": Box(25, 1, 19, 10, POLICY, ("PPO", f"γ {algo.ppo.gamma:g}, λ {algo.ppo.gae_lambda:g}")),
     }
+    if algo.imitation.epochs > 0:
+        boxes["imitation"] = Box(0, 14, 17, 12, POLICY, ("imitation", *_imitation_lines(algo.imitation)))
     if algo.style.enabled:
         name = "style discriminator" if algo.style.conditional else "style discriminator (AMP)"
         boxes["style"] = Box(
@@ -72,6 +75,11 @@ def compute_boxes(config: Config) -> dict[str, Box]:
             66, 1, 22, 8, STYLE, ("skill embedding z = E(y)", f"{len(skills)} x {algo.embedding_size}")
         )
     return boxes
+
+
+def _imitation_lines(imitation: ImitationConfig) -> list[str]:
+    lines = ["of the expert's targets", f"{imitation.epochs} epochs before PPO"]
+    return [*lines, f"and beside it, {imitation.ppo_weight:g} x"] if imitation.ppo_weight > 0.0 else lines
 
 
 def _skills_line(config: Config) -> str:
@@ -98,9 +106,11 @@ def compute_arrows(config: Config, boxes: dict[str, Box]) -> list[Arrow]:
         Arrow(((60, 44), (60, 45.6), (34.5, 45.6), (34.5, 44)), "o", (47.5, 45.5), GREY),
         Arrow(((53, 35), (49, 35), (49, 22), (44, 22)), "o, x", (47, 23), GREY),
         Arrow(((34.5, 17), (34.5, 11)), "value", (37.5, 13.5)),
-        Arrow(((25, 6), (21, 6), (21, 36), (25, 36)), "update", (18.3, 20), POLICY),
+        Arrow(((25, 6), (21, 6), (21, 36), (25, 36)), "update", (18.3, 9), POLICY),
         Arrow(((49, 31), (49, 8), (44, 8)), f"task, {algo.task_weight:g} x", (45.2, 12.6)),
     ]
+    if "imitation" in boxes:
+        arrows.append(Arrow(((17, 20), (23, 20), (23, 34.5), (25, 34.5)), colour=POLICY))
     if "style" in boxes:
         arrows += [
             Arrow(((62, 33), (62, 27)), "policy's\nmotion", (58.6, 28), INK),

@@ -12,6 +12,7 @@ from matplotlib.ticker import PercentFormatter
 from analysis.load import AnalysisError
 from analysis.matrices import Axis, Panel, Scale, draw_panels
 from analysis.style import GRID, INK, PAGE, new_figure, skill_shades, style
+from camp.evaluation.reading import FELL
 from camp.evaluation.report import FrictionBin, PolicySummary, Report
 from camp.gaits.skills import NO_SKILL
 
@@ -19,9 +20,12 @@ LINE = "#0072B2"
 
 
 def confusion_panel(title: str, summary: PolicySummary) -> Panel:
-    """Fractions of each commanded skill's walks by what they show, in per cent; empty cells where none does."""
+    """Fractions of each commanded skill's walks by what they show, in per cent; empty cells where none does.
+
+    What ended in a fall has a column of its own, so that the diagonal is the gait accuracy of the tables.
+    """
     skills = list(summary.confusion)
-    shown = [*skills, NO_SKILL]
+    shown = [*skills, NO_SKILL, FELL]
     counts = np.array([[summary.confusion[row].get(name, 0) for name in shown] for row in skills], dtype=float)
     fractions = 100.0 * counts / np.maximum(counts.sum(axis=1, keepdims=True), 1.0)
     return Panel(title, np.where(counts > 0, fractions, np.nan), skills, shown)
@@ -30,7 +34,10 @@ def confusion_panel(title: str, summary: PolicySummary) -> Panel:
 def draw_confusion(report: Report) -> Figure:
     """Commanded by shown skill: nominal, and under the whole of Table I where it was evaluated."""
     if "trained" not in report.policies:
-        raise AnalysisError(f"the evaluation of {report.run} has no walks: evaluate it with the part `gait`")
+        raise AnalysisError(
+            f"the evaluation of {report.run} has no walks: evaluate it with the part `gait`, "
+            "`python -m camp.evaluate run=<its folder>`"
+        )
     panels = [confusion_panel("nominal", report.policies["trained"])]
     if report.table_i is not None:
         panels.append(confusion_panel("Table I, noise and pushes", report.table_i.walks))
@@ -41,7 +48,8 @@ def draw_robustness(report: Report) -> Figure:
     """Right walks by friction under Table I, by skill, and under one disturbance at a time."""
     if report.table_i is None or not report.robustness:
         raise AnalysisError(
-            f"the evaluation of {report.run} lacks Table I or single disturbances: evaluate it with suite=full"
+            f"the evaluation of {report.run} lacks Table I or single disturbances: evaluate it with suite=full, "
+            "`python -m camp.evaluate run=<its folder>`"
         )
     with style():
         figure = new_figure((PAGE, 3.9))

@@ -68,7 +68,8 @@ def draw_confusions(result: StudyResult) -> Figure:
         if runs:
             names, shown, _ = gait_counts(runs[0].labelled)
             counts = pooled([gait_counts(run.labelled)[2] for run in runs])
-            panels.append(Panel(title_of(arm), counts / counts.sum(axis=1, keepdims=True), names, shown))
+            columns = [*shown[:-1], "none or fell"]
+            panels.append(Panel(title_of(arm), counts / counts.sum(axis=1, keepdims=True), names, columns))
     return draw_panels(panels, Scale(0.0, 1.0, "fraction of walks"), Axis("commanded", "shown"))
 
 

@@ -12,8 +12,10 @@ from analysis.data_flow import compute_boxes, draw_data_flow
 from analysis.evaluation_figures import confusion_panel, draw_confusion, draw_robustness
 from analysis.joints import compute_joints, draw_joints, fit, nearest_clip
 from analysis.load import AnalysisError
+from analysis.seeds import accuracy
 from analysis.sequence import one_skill_of_each_gait
 from analysis.skill_cost import compute_cost, draw_cost
+from camp.build import load_run
 from camp.common.paths import policies_root, shipped_motions
 from camp.config.compose import compose_config
 from camp.evaluation.expert import recording_of
@@ -68,8 +70,7 @@ def test_the_experts_own_clip_lies_on_its_mean_stride(clip, report):
     error = np.abs(traces.expert - traces.actual)[fitted].mean(axis=0) / np.ptp(stride, axis=0)
     assert (error < 0.05).all()
     assert nearest_clip([clip], "pace_3hz", np.zeros(3)) is None
-    figure = draw_joints(traces, report.reference)
-    assert len(figure.axes) == 3 if hasattr(figure, "axes") else True
+    assert len(draw_joints(traces, report.reference).axes) == 3
 
 
 def test_boxes_hold_the_configured_sizes():
@@ -77,7 +78,17 @@ def test_boxes_hold_the_configured_sizes():
     boxes = compute_boxes(config)
     assert boxes["actor"].lines[1] == "57 - 256 - 128 - 64 - 12"  # 45 + 12 skills
     assert boxes["skill"].lines[1] == "3 x 43" and boxes["embedding"].lines[1] == "12 x 64"
+    assert "imitation" not in boxes
     assert "style" not in compute_boxes(compose_config(["run=scratch", "+ablation=task_only"]))
+    assert draw_data_flow(config).axes
+
+
+def test_boxes_know_the_history_and_the_imitation():
+    config = load_run(policies_root() / "go2_camp").config
+    boxes = compute_boxes(config)
+    assert boxes["actor"].lines[1].startswith("342 - ")  # 6 control steps of 45 + 12 numbers, as policy.onnx takes
+    assert boxes["critic"].lines[1].startswith("408 - ")
+    assert boxes["imitation"].lines[2:] == ("130 epochs before PPO", "and beside it, 3 x")
     assert draw_data_flow(config).axes
 
 
@@ -92,7 +103,9 @@ def test_parameters_grow_with_skills_only_where_each_has_its_own():
 def test_confusions_are_fractions_of_the_commanded(report):
     panel = confusion_panel("nominal", report.policies["trained"])
     np.testing.assert_allclose(np.nansum(panel.values, axis=1), 100.0)
-    assert panel.columns == [*panel.rows, "none"]
+    assert panel.columns == [*panel.rows, "none", "fell"]
+    right = [accuracy(part) for part in report.policies["trained"].skills.values()]
+    np.testing.assert_allclose(np.nan_to_num(np.diag(panel.values)), 100.0 * np.array(right))  # as the tables say
     assert len(draw_confusion(report).axes) == 3 and draw_robustness(report)
 
 
