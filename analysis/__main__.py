@@ -75,7 +75,7 @@ def tasks(names: Sequence[str], sources: Sources, target: Path) -> Iterator[tupl
             for kind, draw in STUDY_FIGURES.items():
                 file = f"{study.study}_{kind}"
                 yield file, lambda draw=draw, study=study, file=file: save_both(draw(study), target, file)
-            yield f"{study.study}_table", lambda study=study: _write_tables(study, target)
+            yield f"{study.study}_tables", lambda study=study: _write_tables(study, target)
 
 
 def _failing(error: CampError) -> Task:
@@ -87,8 +87,8 @@ def _failing(error: CampError) -> Task:
 
 def _write_tables(study, target: Path) -> list[Path]:
     paths = []
-    for suffix, text in tables(study).items():
-        path = target / f"{study.study}_table.{suffix}"
+    for ending, text in tables(study).items():
+        path = target / f"{study.study}_{ending}"
         write_text(path, text)
         paths.append(path)
     return paths

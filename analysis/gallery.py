@@ -29,7 +29,7 @@ from analysis.segments import policy_walks, segment_features
 from analysis.sequence import roll_sequence
 from analysis.skill_cost import compute_cost, draw_cost
 from analysis.study_results import RESULTS, StudyResult, read_result
-from analysis.tables import ablation_table
+from analysis.tables import ablation_table, difference_table, narrow_table, seed_table
 from analysis.training import compute_curves, draw_curves
 from camp.build import Run, load_run
 from camp.evaluation.recording import Recording
@@ -143,6 +143,12 @@ def studies(folder: Path) -> list[StudyResult]:
 
 
 def tables(result: StudyResult) -> dict[str, str]:
-    """The text of Table IV by the suffix of its file."""
-    table = ablation_table(result)
-    return {"md": table.as_markdown() + "\n", "tex": table.as_latex(), "csv": table.as_csv()}
+    """The texts of a study's tables by the ending of their file: Table IV, and every run for a program to read."""
+    table, differences = ablation_table(result), difference_table(result)
+    both = [table, differences] if differences.rows else [table]
+    return {
+        "table.md": "\n\n".join(one.as_markdown() for one in both) + "\n",
+        "table.tex": narrow_table(result).as_latex(),
+        "table.csv": table.as_csv(),
+        "seeds.csv": seed_table(result).as_csv(),
+    }

@@ -36,7 +36,8 @@ from camp.gaits.skills import names
 
 # Small batches and a large rate: nothing moves but the priors, so that they can be quick.
 PRESET = (
-    *("run=scratch", "motion.labels=gait", "sim=cpu", "sim.num_envs=64", "motion.num_preloaded=40000"),
+    *("run=scratch", "env.foot_stance=false", "motion.labels=gait"),  # as the study `reduced`
+    *("sim=cpu", "sim.num_envs=64", "motion.num_preloaded=40000"),
     *(f"algo.{prior}.{value}" for prior in ("style", "skill") for value in ("batch_size=256", "updates=1")),
     *(f"algo.{prior}.learning_rate=1e-3" for prior in ("style", "skill")),
 )

@@ -17,7 +17,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
 
@@ -62,8 +62,9 @@ class Study:
 
     @property
     def digest(self) -> str:
-        """Of all that decides a result."""
-        return hashlib.sha256(json.dumps(asdict(self), sort_keys=True).encode()).hexdigest()[:16]  # type: ignore[call-overload]
+        """Of all that decides what a run is and how it is evaluated; seeds can be added, thresholds only judge."""
+        decisive = {name: getattr(self, name) for name in ("preset", "arms", "iterations", "evaluation")}
+        return hashlib.sha256(json.dumps(decisive, sort_keys=True).encode()).hexdigest()[:16]
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from analysis.matrices import Axis, Panel, Scale, draw_panels
 from analysis.measures import gait_counts, over_seeds, pooled
 from analysis.study_results import RunResult, StudyResult
 from analysis.style import COLUMN, GREY, GRID, INK, PAGE, new_figure, style
-from analysis.tables import by_seed, measures
+from analysis.tables import GAITS_SHOWN, INFORMATION, by_seed, measures
 from camp.metrics.statistics import interquartile_mean, seeds_interval
 
 # Okabe and Ito, told apart by dashes too.
@@ -27,7 +27,10 @@ FEWEST_FOR_BAND = 3
 
 
 def curve_of(runs: Sequence[RunResult]) -> tuple[NDArray, NDArray, NDArray, NDArray] | None:
-    """Steps in millions, interquartile mean over seeds, and its interval, each (P,); None without a curve."""
+    """Steps in millions, interquartile mean over seeds (of three their mean), and its interval, each (P,).
+
+    None without a curve; no interval of fewer than FEWEST_FOR_BAND seeds.
+    """
     known = [run for run in runs if len(run.curve_steps) > 1]
     if not known:
         return None
@@ -52,7 +55,9 @@ def draw_learning(result: StudyResult) -> Figure:
                 steps, middle, low, high = found
                 axes.plot(steps, middle, color=colour, linestyle=dashes, linewidth=1.2, label=title_of(arm))
                 axes.fill_between(steps, low, high, color=colour, alpha=0.13, linewidth=0)
-        axes.set(xlabel="environment steps (millions)", ylabel="robots that show their skill", ylim=(0.0, 1.0))
+        axes.set(
+            xlabel="environment steps (millions)", ylabel="robots that keep their skill, training", ylim=(0.0, 1.0)
+        )
         axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
         axes.grid(color=GRID, linewidth=0.5)
         axes.set_axisbelow(True)
@@ -76,7 +81,7 @@ def draw_confusions(result: StudyResult) -> Figure:
 def draw_measures(result: StudyResult) -> Figure:
     """Every measure of every arm: seeds as marks, their mean and its interval as a line."""
     known = measures(result)
-    limits = {"gaits shown": result.thresholds.distinct_gaits, "information (bits)": result.thresholds.information_bits}
+    limits = {GAITS_SHOWN: result.thresholds.distinct_gaits, INFORMATION: result.thresholds.information_bits}
     with style():
         figure = new_figure((PAGE, 2.6))
         axes = figure.subplots(1, len(known), sharey=True)
@@ -85,7 +90,7 @@ def draw_measures(result: StudyResult) -> Figure:
                 _draw_arm(axis, place, by_seed(result.of_arm(arm), measure))
             if name in limits:
                 axis.axvline(limits[name], color=GREY, linewidth=0.8, linestyle=(0, (3, 2)))
-            axis.xaxis.set_major_locator(MaxNLocator(3, integer=name == "gaits shown"))
+            axis.xaxis.set_major_locator(MaxNLocator(3, integer=name == GAITS_SHOWN))
             axis.set_xlabel(name.replace(" (", "\n("), fontsize=7.5)
             axis.set_xlim(left=min(0.0, axis.get_xlim()[0]))
             axis.grid(axis="x", color=GRID, linewidth=0.5)

@@ -1,4 +1,4 @@
-"""Table IV in numbers, with the paper's Yes and No by the study's thresholds: Markdown, LaTeX and CSV."""
+"""Table IV in numbers, with the paper's Yes and No by the study's thresholds, and what it was computed from."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from analysis.study_results import RunResult, StudyResult
 from camp.metrics.statistics import Interval
 
 REFERENCE = "full"
+GAITS_SHOWN, INFORMATION = "gaits shown", "information (bits)"
+NARROW = (GAITS_SHOWN, INFORMATION, "gait right", "switches in time")
 Measure = Callable[[RunResult], float | None]
 
 
@@ -57,8 +59,8 @@ def measures(result: StudyResult) -> dict[str, Measure]:
 
     shown = result.thresholds.shown_fraction
     return {
-        "gaits shown": lambda run: float(distinct_gaits(counts(run), shown)),
-        "information (bits)": lambda run: information(counts(run)),
+        GAITS_SHOWN: lambda run: float(distinct_gaits(counts(run), shown)),
+        INFORMATION: lambda run: information(counts(run)),
         "gait right": lambda run: run.right / run.walks,
         "switches in time": lambda run: run.switches_completed,
         "velocity error (m/s)": lambda run: run.linear_error_m_s,
@@ -72,33 +74,65 @@ def by_seed(runs: Sequence[RunResult], measure: Measure) -> dict[int, float]:
 
 
 def ablation_table(result: StudyResult) -> Table:
-    """A row for each arm: Yes or No beside the paper's, then the figures with 95-% intervals over seeds, and the paired
-    difference in information against the full method."""
+    """A row for each arm: Yes or No beside the paper's, then all figures with 95-% intervals over seeds."""
     known = measures(result)
-    heading = ["arm", "seeds", "multiple gaits", "paper", "gait control switch", "paper", *known, "bits - full's"]
+    heading = ["arm", "seeds", "multiple gaits", "paper: gaits", "gait control switch", "paper: switch", *known]
     rows = []
-    information = known["information (bits)"]
-    reference = by_seed(result.of_arm(REFERENCE), information)
     for arm in result.arms:
         runs = result.of_arm(arm)
-        found = {name: over_seeds(by_seed(runs, measure)) for name, measure in known.items()}
-        limits = result.thresholds
-        paper = ARMS[arm].paper if arm in ARMS else None
-        several, obeys = ("Yes" if said else "No" for said in paper) if paper else ("-", "-")
-        against = None if arm == REFERENCE else difference(by_seed(runs, information), reference)
-        rows.append(
-            [
-                title_of(arm),
-                str(len(runs)),
-                answer(found["gaits shown"], limits.distinct_gaits),
-                several,
-                answer(found["information (bits)"], limits.information_bits),
-                obeys,
-                *(interval_text(found[name]) for name in known),
-                interval_text(against),
-            ]
-        )
+        (several, obeys), (paper_several, paper_obeys) = answers(result, arm), _papers(arm)
+        figures = (interval_text(over_seeds(by_seed(runs, measure))) for measure in known.values())
+        rows.append([title_of(arm), str(len(runs)), several, paper_several, obeys, paper_obeys, *figures])
     return Table(heading, rows)
+
+
+def narrow_table(result: StudyResult) -> Table:
+    """What fits a printed page: the paper's answers in parentheses, and the measures in NARROW alone."""
+    known = measures(result)
+    rows = []
+    for arm in result.arms:
+        said = [f"{own} ({paper})" for own, paper in zip(answers(result, arm), _papers(arm), strict=True)]
+        figures = (interval_text(over_seeds(by_seed(result.of_arm(arm), known[name]))) for name in NARROW)
+        rows.append([title_of(arm), *said, *figures])
+    return Table(["arm", "multiple gaits", "control switch", *NARROW], rows)
+
+
+def difference_table(result: StudyResult) -> Table:
+    """A row for each arm but the full one: every figure minus the full one's of the same seed, with its interval."""
+    known, rows = measures(result), []
+    for arm in result.arms:
+        pairs = [
+            difference(by_seed(result.of_arm(arm), measure), by_seed(result.of_arm(REFERENCE), measure))
+            for measure in known.values()
+        ]
+        if arm != REFERENCE and any(pairs):
+            rows.append([title_of(arm), *map(interval_text, pairs)])
+    return Table([f"difference to {title_of(REFERENCE)}", *known], rows)
+
+
+def seed_table(result: StudyResult) -> Table:
+    """A row for each run, a number in each cell, for a program to read."""
+    known = measures(result)
+    rows = []
+    for run in result.runs:
+        values = (measure(run) for measure in known.values())
+        rows.append([run.arm, str(run.seed), *("" if value is None else f"{value:.6g}" for value in values)])
+    return Table(["arm", "seed", *known], rows)
+
+
+def answers(result: StudyResult, arm: str) -> tuple[str, str]:
+    """Table IV's two: "Yes", "No" or "open" for several gaits, and for switching on command."""
+    runs, known, limits = result.of_arm(arm), measures(result), result.thresholds
+    gaits, bits = (over_seeds(by_seed(runs, known[name])) for name in (GAITS_SHOWN, INFORMATION))
+    return answer(gaits, limits.distinct_gaits), answer(bits, limits.information_bits)
+
+
+def _papers(arm: str) -> tuple[str, str]:
+    paper = ARMS[arm].paper if arm in ARMS else None
+    if paper is None:
+        return "-", "-"
+    several, obeys = ("Yes" if said else "No" for said in paper)
+    return several, obeys
 
 
 def interval_text(found: Interval | None) -> str:

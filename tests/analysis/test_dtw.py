@@ -39,6 +39,17 @@ def test_distance_by_hand():
     assert compute_distances([here, there]).distance[0, 1] == pytest.approx(50.0)
 
 
+def test_warping_by_hand():
+    # The same step from 0 to 1, 30 rows later: alike but for their timing. A row of .5 between them has to meet a 0 or
+    # a 1 and costs .5^2, of which the root is taken.
+    rows = np.arange(199)
+    here = ClipFeatures("trot", 2.0, np.zeros(3), (rows >= 30).astype(float)[:, None], 0, PERIOD)
+    late = replace(here, gait="pace", feature=(rows >= 60).astype(float)[:, None])
+    assert compute_distances([here, late]).distance[0, 1] == 0.0
+    late.feature[60] = 0.5
+    assert compute_distances([here, late]).distance[0, 1] == pytest.approx(0.5)
+
+
 def test_where_the_clip_begins_in_its_stride_does_not_count():
     angle = 2 * np.pi * 2.0 * PERIOD * np.arange(199)
     here = ClipFeatures("trot", 2.0, np.zeros(3), np.sin(angle)[:, None], 0, PERIOD)

@@ -63,6 +63,13 @@ def test_a_changed_study_has_other_runs(tiny):
     assert runs_folder(read_study(tiny), Path("outputs")) != first
 
 
+def test_a_further_seed_leaves_the_runs_that_are_there(tiny):
+    first = read_study(tiny)
+    tiny.write_text(tiny.read_text().replace("seeds: [0]", "seeds: [0, 1]"))
+    further = read_study(tiny)
+    assert len(jobs_of(further)) == 4 and further.digest == first.digest
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
@@ -194,18 +201,23 @@ def test_curves_are_condensed():
 
 @pytest.mark.slow
 def test_a_tiny_study_is_cut_off_and_goes_on(tiny, tmp_path, monkeypatch, capsys):
-    """One arm in processes of its own, by Hydra's launcher: the evaluation is cut off, then only that is made."""
+    """One arm in processes of its own, by Hydra's launcher: the training is cut off, then the evaluation."""
     tiny.write_text(TINY.format(arms="[full]"))
     whole = study_runs._command
 
     def cut_off(module, arguments, job, runs):
         if module == "camp.evaluate":
             raise StudyError("cut off")
-        whole(module, arguments, job, runs)
+        if arguments[0].startswith("resume="):
+            return whole(module, arguments, job, runs)
+        whole(module, [*arguments, "run.iterations=1"], job, runs)
+        raise StudyError("cut off")
 
     monkeypatch.setattr(study_runs, "_command", cut_off)
-    assert command.run_command(command.run, [str(tiny)], None) == 2
-    assert "job 0: cut off" in capsys.readouterr().err
+    for begun in ("run=smoke", "resume="):
+        assert command.run_command(command.run, [str(tiny)], None) == 2
+        printed = capsys.readouterr()
+        assert "job 0: cut off" in printed.err and begun in printed.out
     monkeypatch.setattr(study_runs, "_command", whole)
     assert command.run_command(command.run, [str(tiny)], None) == 0
     printed = capsys.readouterr().out
@@ -228,7 +240,7 @@ def test_a_tiny_study_is_cut_off_and_goes_on(tiny, tmp_path, monkeypatch, capsys
     assert command.run_command(command.run, [str(tiny)], None) == 0
     assert "1 of 1 runs are done" in capsys.readouterr().out
     assert read_result(tmp_path / "ablations" / "results" / "tiny.json").runs == [run]
-    tiny.write_text(tiny.read_text().replace("seeds: [0]", "seeds: [1]"))  # another study of the same name
+    tiny.write_text(tiny.read_text().replace("iterations: 2", "iterations: 1"))  # another study of the same name
     kept = (tmp_path / "ablations" / "results" / "tiny.json").read_bytes()
     assert command.run_command(command.run, [str(tiny), "collect=only"], None) == 2
     assert_one_line(capsys.readouterr().err, "another version")

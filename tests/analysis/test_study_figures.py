@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from analysis.load import AnalysisError
 from analysis.matrices import Axis, Panel, Scale, draw_panels
 from analysis.study_figures import curve_of, draw_learning
 from analysis.study_results import write_result
-from tests.analysis.studies import study_result
+from tests.analysis.studies import obedient, run_result, study_result
 
 
 def test_margins_by_hand():
@@ -63,13 +63,15 @@ def test_every_figure_of_a_study_is_drawn(tmp_path):
     (study,) = gallery.studies(tmp_path)
     for draw in gallery.STUDY_FIGURES.values():
         assert draw(study).axes
-    assert gallery.tables(study).keys() == {"md", "tex", "csv"}
+    assert gallery.tables(study).keys() == {"table.md", "table.tex", "table.csv", "seeds.csv"}
 
 
 def test_learning_curves_have_the_interquartile_mean():
-    steps, middle, low, high = curve_of(study_result().of_arm("full")) or pytest.fail("no curve")
+    runs = [run_result("full", seed, obedient()) for seed in range(7)]
+    runs.append(replace(runs[0], curve_accuracy=[0.0, 9.9, 9.9]))  # an outlier, which a mean would follow
+    steps, middle, low, high = curve_of(runs) or pytest.fail("no curve")
     np.testing.assert_allclose(steps, [0.1, 0.2, 0.3])
-    np.testing.assert_allclose(middle, [0.0, 0.1, 0.3])  # of 0, .1, .2 and of .2, .3, .4 the middle ones
+    np.testing.assert_allclose(middle, [0.0, 0.35, 0.55])  # of 0, .1, ... .6 and 9.9 the middle four
     assert (low <= middle).all() and (middle <= high).all()
     labels = [text.get_text() for text in draw_learning(study_result()).legends[0].get_texts()]
     assert labels == ["full", "style not conditional"]

@@ -73,7 +73,7 @@ def test_the_message_names_what_is_there_and_what_would_load(
     message = str(caught.value)
     assert named in message and str(folder) in message and "within 15%" in message and "\n" not in message
     advised = message.rpartition("train with ")[2].split()
-    assert all(re.fullmatch(r"run=scratch|motion\.\w+=\S+", override) for override in advised)
+    assert all(re.fullmatch(r"run=scratch|env.foot_stance=false|motion\.\w+=\S+", override) for override in advised)
     assert clips_for(folder, *advised)
 
 

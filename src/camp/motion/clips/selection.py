@@ -98,7 +98,9 @@ def what_would_load(found: Sequence[tuple[str, float]], skills: Sequence[Skill])
         f"motion.labels={labels}",
         f"motion.frequencies_hz=[{','.join(f'{frequency:g}' for frequency in sorted(frequencies))}]",
     ]
-    return overrides if set(frequencies) <= GRID_STEPS.keys() else ["run=scratch", *overrides]
+    if set(frequencies) <= GRID_STEPS.keys():
+        return overrides
+    return ["run=scratch", "env.foot_stance=false", *overrides]  # imported clips have no joint targets
 
 
 def _cover(
