@@ -30,6 +30,7 @@ EVERY = 4  # every fourth command of each skill is kept for the question
 FAKES = ("blind", "untrained")
 UNTRAINED_STEPS = 60  # of a fresh policy, by robot
 BLOCK, MOST_BLOCKS = 50, 60  # iterations between two looks at the held-out loss, and looks at most
+PATIENCE = 3  # looks without a gain, after which the loss has converged
 Fakes = Callable[[int, torch.Generator], Transition]  # so many of them
 
 
@@ -126,15 +127,17 @@ def train(priors: Sequence[Prior], shown: Shown, fakes: Fakes, iterations: int, 
 def converge(
     prior: SkillPrior, shown: Shown, seed: int, least_gain: float = 0.02, most_blocks: int = MOST_BLOCKS
 ) -> list[float]:
-    """Let a skill prior learn until its loss on held-out motion falls by less than ``least_gain`` of it in BLOCK
-    iterations; returns the losses, one for each block."""
-    source, losses = generator(seed, "priors"), []
+    """Let a skill prior learn until its loss on held-out motion has not fallen below the least one by ``least_gain`` of
+    it for PATIENCE blocks of BLOCK iterations; returns the losses, one for each block."""
+    source, losses, best, since = generator(seed, "priors"), [], np.inf, 0
     for _ in range(most_blocks):
         for _ in range(BLOCK):
             prior.update(shown.learned.sample(1, source), shown.learned, source)
         with torch.no_grad():
             error = (prior.predict(shown.asked) - prior.embedding(shown.asked.skill)).square().sum(dim=1)
         losses.append(float(error.mean()))
-        if len(losses) > 1 and losses[-1] > (1.0 - least_gain) * losses[-2]:
+        gained = losses[-1] < (1.0 - least_gain) * best
+        best, since = (losses[-1], 0) if gained else (best, since + 1)
+        if since == PATIENCE:
             break
     return losses

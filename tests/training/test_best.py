@@ -7,22 +7,22 @@ from camp.training.best import BestCheckpoint
 
 
 def test_the_latest_reading_before_a_checkpoint_counts():
-    best = BestCheckpoint()
+    best = BestCheckpoint(num_skills=2)
     best.saved(1)
     assert best.iteration is None  # nothing was read yet
     best.read({"gait/trot_2hz/accuracy": 0.5, "gait/pace_2hz/accuracy": 0.7, "gait/stepping": 1.0})
     best.saved(2)
-    best.read({"gait/trot_2hz/accuracy": 0.9, "reward/task/raw": 5.0})
+    best.read({"gait/trot_2hz/accuracy": 0.9, "gait/pace_2hz/accuracy": 0.9, "reward/task/raw": 5.0})
     best.read({"ppo/kl": 0.1})  # an iteration without a reading
     best.saved(3)
-    best.read({"gait/trot_2hz/accuracy": 0.1})
+    best.read({"gait/trot_2hz/accuracy": 1.0})  # no robot paced for long enough: the mean is a half
     best.saved(4)
     assert best.iteration == 3
-    assert best.state_dict() == {"reading": 0.1, "iteration": 3.0, "score": 0.9}
+    assert best.state_dict() == {"reading": 0.5, "iteration": 3.0, "score": 0.9}
 
 
 def test_of_equal_ones_the_newest_and_a_continued_run_goes_on():
-    first, second = BestCheckpoint(), BestCheckpoint()
+    first, second = BestCheckpoint(1), BestCheckpoint(1)
     first.read({"gait/trot/accuracy": 1.0})
     first.saved(5)
     second.load_state_dict(first.state_dict())
@@ -31,7 +31,7 @@ def test_of_equal_ones_the_newest_and_a_continued_run_goes_on():
 
 
 def test_not_a_number_is_no_best():
-    best = BestCheckpoint()
+    best = BestCheckpoint(1)
     best.read({"gait/trot/accuracy": float("nan")})
     best.saved(1)
     assert best.iteration is None

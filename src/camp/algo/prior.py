@@ -8,6 +8,8 @@ from typing import Any, Protocol, runtime_checkable
 import torch
 from torch import Tensor, nn
 
+from camp.algo.models import SkillEmbedding
+from camp.algo.normalizer import RunningNormalizer
 from camp.data import Transition
 
 SCORE_CHUNK = 16384  # transitions scored at once; bounds the activations (64 MiB for 1024 units)
@@ -56,6 +58,36 @@ class Prior(Protocol):
         ...
 
     def load_memory(self, state: dict[str, Any]) -> None: ...
+
+
+class Discriminator:
+    """What both priors are made of and how it is saved: a network on normalized states, its optimizer, and the skills'
+    embedding, which they share."""
+
+    network: nn.Module
+    embedding: SkillEmbedding
+    normalizer: RunningNormalizer
+    optimizer: torch.optim.Optimizer
+
+    def networks(self) -> list[nn.Module]:
+        return [self.network, self.embedding, self.normalizer]
+
+    def state_dict(self) -> dict[str, Any]:
+        """With the embedding, though the other prior may save it too: without it the network's answers mean nothing."""
+        return {name: getattr(self, name).state_dict() for name in _SAVED}
+
+    def load_state_dict(self, state: dict[str, Any]) -> None:
+        for name in _SAVED:
+            getattr(self, name).load_state_dict(state[name])
+
+    def memory(self) -> dict[str, Any]:
+        return {}
+
+    def load_memory(self, state: dict[str, Any]) -> None:
+        """Nothing, as ``memory`` says."""
+
+
+_SAVED = ("network", "embedding", "normalizer", "optimizer")
 
 
 @runtime_checkable

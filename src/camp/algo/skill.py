@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 from torch.nn import functional
 
 from camp.algo.config import SkillConfig
@@ -15,12 +14,12 @@ from camp.algo.losses import gradient_penalty, skill_regression_loss, skill_rewa
 from camp.algo.models import SkillDiscriminator, SkillEmbedding
 from camp.algo.normalizer import RunningNormalizer
 from camp.algo.optimization import backward
-from camp.algo.prior import DemonstrationSource, draw, in_chunks
+from camp.algo.prior import DemonstrationSource, Discriminator, draw, in_chunks
 from camp.common.averages import Averages
 from camp.data import Transition
 
 
-class SkillPrior:
+class SkillPrior(Discriminator):
     """Learns from expert motion alone which skill it shows; rewards motion that shows the commanded one.
 
     The target z = E(y) is read, never trained here: with a gradient on both sides eq. (7) would be least
@@ -67,9 +66,9 @@ class SkillPrior:
     ) -> dict[str, float]:
         """`updates` steps on eqs. (7) + (8); the policy's transitions are only classified, to be logged."""
         size = self.config.batch_size
-        # Once per iteration, however many steps follow.
-        self.normalizer.update(demonstrations.sample(size, generator).state)
         averages = Averages()
+        # Once per iteration, however many steps follow.
+        averages.add("prior/skill/rows_left_out", self.normalizer.update(demonstrations.sample(size, generator).state))
         for _ in range(self.config.updates):
             self._step(demonstrations.sample(size, generator), averages, generator)
         seen = draw(policy, size, generator)
@@ -91,27 +90,3 @@ class SkillPrior:
         averages.add("prior/skill/gradient_penalty", penalty)
         averages.add("prior/skill/accuracy", right)
         averages.add_per_skill("prior/skill/accuracy", right, expert.skill, self.skills)
-
-    def networks(self) -> list[nn.Module]:
-        return [self.network, self.embedding, self.normalizer]
-
-    def state_dict(self) -> dict[str, Any]:
-        """With the embedding, though the style prior may save it too: predictions mean nothing without it."""
-        return {
-            "network": self.network.state_dict(),
-            "embedding": self.embedding.state_dict(),
-            "normalizer": self.normalizer.state_dict(),
-            "optimizer": self.optimizer.state_dict(),
-        }
-
-    def load_state_dict(self, state: dict[str, Any]) -> None:
-        self.network.load_state_dict(state["network"])
-        self.embedding.load_state_dict(state["embedding"])
-        self.normalizer.load_state_dict(state["normalizer"])
-        self.optimizer.load_state_dict(state["optimizer"])
-
-    def memory(self) -> dict[str, Any]:
-        return {}
-
-    def load_memory(self, state: dict[str, Any]) -> None:
-        """Nothing: expert motion alone is learned from."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 from torch.nn import functional
 
 from camp.algo.config import StyleConfig
@@ -15,7 +15,7 @@ from camp.algo.losses import gradient_penalty, lsgan_loss, style_reward
 from camp.algo.models import ConditionalDiscriminator, SkillEmbedding
 from camp.algo.normalizer import RunningNormalizer
 from camp.algo.optimization import backward
-from camp.algo.prior import DemonstrationSource, draw, in_chunks
+from camp.algo.prior import DemonstrationSource, Discriminator, draw, in_chunks
 from camp.algo.replay import ReplayBuffer
 from camp.common.averages import Averages
 from camp.common.errors import ConfigError
@@ -23,7 +23,7 @@ from camp.common.histogram import fractions
 from camp.data import Transition, concatenate
 
 
-class StylePrior:
+class StylePrior(Discriminator):
     """Trains D and the skill embedding; rewards motion that D takes for the expert's of the commanded skill.
 
     Expert samples are balanced over skills, so that no gait is rare. Policy samples follow the rollout: the
@@ -158,23 +158,6 @@ class StylePrior:
         cosine = rows @ rows.T
         others = cosine[~torch.eye(len(rows), dtype=torch.bool, device=cosine.device)]
         return others.max() if len(others) else cosine.new_zeros(())
-
-    def networks(self) -> list[nn.Module]:
-        return [self.network, self.embedding, self.normalizer]
-
-    def state_dict(self) -> dict[str, Any]:
-        return {
-            "network": self.network.state_dict(),
-            "embedding": self.embedding.state_dict(),
-            "normalizer": self.normalizer.state_dict(),
-            "optimizer": self.optimizer.state_dict(),
-        }
-
-    def load_state_dict(self, state: dict[str, Any]) -> None:
-        self.network.load_state_dict(state["network"])
-        self.embedding.load_state_dict(state["embedding"])
-        self.normalizer.load_state_dict(state["normalizer"])
-        self.optimizer.load_state_dict(state["optimizer"])
 
     def memory(self) -> dict[str, Any]:
         return {} if self.replay is None else {"replay": self.replay.state_dict()}

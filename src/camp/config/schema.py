@@ -76,6 +76,18 @@ class Config:
         check_terms(self.env.reward.terms)
         check_names("env.observation.policy", self.env.observation.policy)
         check_names("env.observation.critic", self.env.observation.critic)
+        self._check_control_period()
+        self._check_imitation()
+        self._check_success_is_measured()
+        samples = self.run.rollout_steps * self.sim.num_envs
+        checks.require(
+            samples >= self.algo.ppo.minibatches,
+            "algo.ppo.minibatches",
+            self.algo.ppo.minibatches,
+            f"choose at most run.rollout_steps x sim.num_envs ({samples})",
+        )
+
+    def _check_control_period(self) -> None:
         substeps = self.env.control_period_s / self.sim.physics_timestep_s
         checks.require(
             abs(substeps - round(substeps)) < 1e-6 and round(substeps) >= 1,
@@ -90,8 +102,11 @@ class Config:
             "choose false, or a sim.physics_timestep_s of at most half of env.control_period_s: a fraction of one "
             "physics step tells nothing",
         )
+
+    def _check_imitation(self) -> None:
+        imitation = self.algo.imitation
         checks.require(
-            self.algo.ppo.update_normalizer or self.algo.imitation.epochs > 0,
+            self.algo.ppo.update_normalizer or imitation.epochs > 0,
             "algo.ppo.update_normalizer",
             self.algo.ppo.update_normalizer,
             "set it to true without imitation (algo.imitation.epochs=0), or observations are never scaled",
@@ -99,35 +114,25 @@ class Config:
         robot = find_robot(self.robot.name)
         gains = (tuple(self.robot.kp) * NUM_LEGS, tuple(self.robot.kd) * NUM_LEGS)
         checks.require(
-            self.algo.imitation.epochs == 0 or gains == (robot.pd_gain_p, robot.pd_gain_d),
+            imitation.epochs == 0 or gains == (robot.pd_gain_p, robot.pd_gain_d),
             "robot.kp",
             list(self.robot.kp),
             f"the expert's targets are made for the gains of robot={robot.name}; use those, or run=scratch",
         )
         frequencies = list(self.motion.frequencies_hz)
         walked = sorted(set.intersection(*(set(GAITS[gait].duty) for gait in self.motion.skills)))
-        imitates = self.algo.imitation.epochs > 0 or self.algo.imitation.ppo_weight > 0.0
         checks.require(
-            not imitates or set(frequencies) <= set(walked),
+            imitation.epochs == 0 or set(frequencies) <= set(walked),
             "motion.frequencies_hz",
             frequencies,
             f"the expert that is imitated walks at {', '.join(f'{hz:g}' for hz in walked)} Hz; choose from these "
             f"(clips within {FREQUENCY_TOLERANCE:.0%} are taken), or run=scratch",
         )
-        for key, wanted in (
-            ("env.episode_growth.by_skill_from_s", self.env.episode_growth.by_skill_from_s is not None),
-            ("env.command.skill_focus", self.env.command.skill_focus is not None),
+
+    def _check_success_is_measured(self) -> None:
+        remedy = "leave it out without a skill discriminator (algo.skill.enabled=false), which measures success"
+        for key, value in (
+            ("env.episode_growth.by_skill_from_s", self.env.episode_growth.by_skill_from_s),
+            ("env.command.skill_focus", self.env.command.skill_focus),
         ):
-            checks.require(
-                self.algo.skill.enabled or not wanted,
-                key,
-                wanted,
-                "leave it out without a skill discriminator (algo.skill.enabled=false), which measures success",
-            )
-        samples = self.run.rollout_steps * self.sim.num_envs
-        checks.require(
-            samples >= self.algo.ppo.minibatches,
-            "algo.ppo.minibatches",
-            self.algo.ppo.minibatches,
-            f"choose at most run.rollout_steps x sim.num_envs ({samples})",
-        )
+            checks.require(self.algo.skill.enabled or value is None, key, value, remedy)

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 
 from camp.runs.metrics import Metric
-
-_ACCURACY = re.compile(r"gait/.+/accuracy")
+from camp.training.gait_monitor import mean_accuracy
 
 
 class BestCheckpoint:
-    """The checkpoint with the highest gait accuracy, the mean over skills of the latest live reading before it.
+    """The checkpoint with the highest gait accuracy, the mean over all skills of the latest live reading before it.
 
     Nothing is the best before a reading of at least one skill. Of equal ones the newest counts.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, num_skills: int) -> None:
+        self._num_skills = num_skills
         self._state: dict[str, float] = {}  # reading: the latest; iteration, score: of the best checkpoint
 
     @property
@@ -26,9 +25,9 @@ class BestCheckpoint:
 
     def read(self, metrics: Mapping[str, Metric]) -> None:
         """Take in an iteration's metrics."""
-        values = [value for key, value in metrics.items() if _ACCURACY.fullmatch(key) and isinstance(value, float)]
-        if values:
-            self._state["reading"] = sum(values) / len(values)
+        accuracy = mean_accuracy(metrics, self._num_skills)
+        if accuracy is not None:
+            self._state["reading"] = accuracy
 
     def saved(self, iteration: int) -> None:
         """Take in that a checkpoint is being saved after ``iteration``."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import torch
@@ -14,6 +14,13 @@ from camp.gaits.skills import Skill, performed
 from camp.metrics.gait import measure_gait
 
 MAX_READ = 256  # robots per reading; the metric costs some 0.1 ms each
+
+
+def mean_accuracy(metrics: Mapping[str, object], num_skills: int) -> float | None:
+    """Of a reading: over all skills, 0 for one that no robot followed long enough; None where there is no reading."""
+    names = [name for name in metrics if name.startswith("gait/") and name.endswith("/accuracy")]
+    values = [value for name in names if isinstance(value := metrics[name], float)]
+    return sum(values) / num_skills if values else None
 
 
 class GaitMonitor:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from camp.envs.config import HardeningConfig
+from camp.training.gait_monitor import mean_accuracy
 
 
 def next_difficulty(
@@ -16,7 +17,7 @@ def next_difficulty(
     the mean over skills shows its gait and few robots fall, down where the gaits are being lost. Between two
     readings, and without any, it stays.
     """
-    accuracy = _mean_accuracy(metrics, num_skills)
+    accuracy = mean_accuracy(metrics, num_skills)
     falls = metrics.get("env/falls_per_1000_steps")
     if config.initial is None or accuracy is None or not isinstance(falls, float):
         return difficulty
@@ -25,10 +26,3 @@ def next_difficulty(
     if accuracy < config.accuracy_down:
         return max(0.0, difficulty - config.step)
     return difficulty
-
-
-def _mean_accuracy(metrics: Mapping[str, object], num_skills: int) -> float | None:
-    """Over all skills, 0 for one that no robot followed long enough to be read; None where that holds for all."""
-    names = [name for name in metrics if name.startswith("gait/") and name.endswith("/accuracy")]
-    values = [value for name in names if isinstance(value := metrics[name], float)]
-    return sum(values) / num_skills if values else None

@@ -54,7 +54,7 @@ class Runner:
             env.sim.device,
         )
         self.alarms = AlarmMonitor(alarms_of(config))
-        self.best = BestCheckpoint()
+        self.best = BestCheckpoint(env.num_skills)
         self.collector = Collector(env, training.ppo, self.monitor, training.device, build_patience(training, config))
         self.skill_curriculum = build_skill_curriculum(training, config)
         self.iteration = 0  # completed ones

@@ -28,8 +28,8 @@ class SkillCurriculum:
     A stretch ends by a time-out, a fall or a new skill; it has succeeded where its last motion is taken for the
     commanded skill's by the skill discriminator. All skills' episodes grow alike until they last
     ``env.episode_growth.by_skill_from_s``; from then on a skill's grow while its stretches succeed and shrink while
-    they do not. Short episodes make a skill rare, so it is drawn the more
-    often, until time is shared equally, or by failure as far as ``env.command.skill_focus`` says.
+    they do not. Short episodes make a skill rare, so it is drawn the more often, until time is shared equally, or by
+    failure as far as ``env.command.skill_focus`` says.
     """
 
     def __init__(self, prior: SkillPrior, training: Training, config: Config):
@@ -52,13 +52,16 @@ class SkillCurriculum:
         self._ended = MEMORY * self._ended + distributed.total(ended)
         self._shown = MEMORY * self._shown + distributed.total(shown)
         success = self._shown / self._ended.clamp(min=1.0)
-        schedule.episode_s = self._grown(schedule.episode_s, success.to(schedule.episode_s.device))
+        columns = {"success": success}
+        if self._growth.by_skill_from_s is not None:  # else the environment lets them grow by itself
+            schedule.episode_s = self._grown(schedule.episode_s, success.to(schedule.episode_s.device))
+            columns["episode_s"] = schedule.episode_s
         share = distributed.total(rollout.skill.flatten().bincount(minlength=len(success)).float())
         share = share / share.sum()
         if self._focus is not None:
             wanted = _shares(success, self._focus).to(schedule.weight.device)
             schedule.weight = _balanced(schedule.weight, wanted, share.to(schedule.weight.device))
-        columns = {"success": success, "episode_s": schedule.episode_s, "time_fraction": share}
+        columns["time_fraction"] = share
         return {
             f"curriculum/{column}/{name}": value
             for column, values in columns.items()
@@ -76,13 +79,13 @@ class SkillCurriculum:
         return skill.bincount(minlength=num).float(), skill[shown].bincount(minlength=num).float()
 
     def _grown(self, episode_s: Tensor, success: Tensor) -> Tensor:
-        if self._growth.by_skill_from_s is None or self._growth.initial_s is None:
-            return episode_s
-        self._apart = self._apart or bool(episode_s.max() >= self._growth.by_skill_from_s)
+        shortest, from_s = self._growth.initial_s, self._growth.by_skill_from_s
+        assert shortest is not None and from_s is not None  # as the configuration's check has seen to
+        self._apart = self._apart or bool(episode_s.max() >= from_s)
         up = (success >= self._growth.success_up).float() if self._apart else torch.ones_like(success)
         down = (success < self._growth.success_down).float() if self._apart else torch.zeros_like(success)
         factor = torch.exp2(self._doublings * (up - SHRINKING * down))
-        return (episode_s * factor).clamp(self._growth.initial_s, self._longest_s)
+        return (episode_s * factor).clamp(shortest, self._longest_s)
 
     def state_dict(self) -> dict[str, Any]:
         return {"ended": self._ended, "shown": self._shown, "apart": self._apart}
