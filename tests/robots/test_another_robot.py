@@ -105,7 +105,7 @@ def test_the_environment_measures_its_feet_and_stands_it_on_the_ground(robot, co
     env.config.initialization.joint_position_scale = [1.0, 1.0]
     observation, _ = env.reset(seed=0, options={"stagger": False})
     np.testing.assert_allclose(env.sim.state.joint_position, [robot.default_joint_position] * 3, rtol=1e-6)
-    assert observation[:, position(env.actor_entries, "joint_position")].abs().max() < 1e-6
+    assert observation[:, position(env.observer.actor_entries, "joint_position")].abs().max() < 1e-6
     feet = mujoco_feet(robot.load_model(), np.array(robot.default_joint_position))
     np.testing.assert_allclose(env.sim.state.base_position[:, 2] + feet[:, 2].min(), robot.leg.foot_radius, atol=1e-6)
     for _ in range(5):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import gymnasium as gym
@@ -13,19 +13,19 @@ from torch import Tensor
 
 from camp.common.seeding import generator_state, restore_generator
 from camp.common.tensors import constant, copied
-from camp.data import OBSERVATION_LIMIT, Step
-from camp.envs import observations
+from camp.data import Step
 from camp.envs.actions import as_action, usable
 from camp.envs.commands import sample_commands, sample_skills, uniform
 from camp.envs.config import EXTERNAL, EnvConfig
 from camp.envs.divergence import FirstCase, judged, per_robot
 from camp.envs.measurement import Measurement, measure
 from camp.envs.motion_history import MotionHistory
-from camp.envs.randomization import randomization_at, sample_dynamics
+from camp.envs.observer import Observer
 from camp.envs.rewards import active_terms, averaged, mix_rewards, task_rewards
+from camp.envs.saved_state import upgraded
 from camp.envs.situation import Before, Setup, Situation
 from camp.envs.skill_schedule import SkillSchedule
-from camp.envs.starts import Starts, draw_starts
+from camp.envs.start_pool import StartPool
 from camp.envs.terminations import failed
 from camp.motion.clips.sampler import ReferenceStates
 from camp.robots.amp_state import amp_slice
@@ -36,14 +36,6 @@ from camp.sim.base import Dynamics, RobotState, Simulator, select
 # costs is shared by many control steps, and nobody has to wait for the number of robots that need one.
 STARTS_PERIOD_S = 0.4
 _JOINT_VELOCITY = amp_slice("joint_velocity")
-
-
-@dataclass
-class _Observed:
-    """What is observed of N robots at one moment."""
-
-    observation: Tensor  # (N, O) with sensor noise
-    privileged: Tensor  # (N, X)
 
 
 class QuadrupedEnv(VectorEnv):
@@ -71,15 +63,13 @@ class QuadrupedEnv(VectorEnv):
         self.robot = sim.robot
         self.config = config
         self.action_scale = action_scale
-        self.references = references
         self.num_envs = sim.num_envs
         self.num_skills = references.num_skills
         self.setup = Setup(self.robot, self.num_skills, config.observe_skill, action_scale, sim.control_period)
-        self.actor_entries = observations.entries_of(config.observation.policy, self.num_skills)
-        self.privileged_entries = observations.entries_of(config.observation.critic, self.num_skills)
+        self.observer = Observer(config, self.num_skills, generator)
+        num_observed, num_privileged = self.observer.sizes
         self.metadata = {"autoreset_mode": AutoresetMode.SAME_STEP}
-        self._frame = observations.size(self.actor_entries)  # numbers of one control step
-        self.single_observation_space = _box(config.observation.history * self._frame)
+        self.single_observation_space = _box(num_observed)
         self.single_action_space = _box(NUM_JOINTS)
         self.observation_space = gym.vector.utils.batch_space(self.single_observation_space, self.num_envs)
         self.action_space = gym.vector.utils.batch_space(self.single_action_space, self.num_envs)
@@ -88,11 +78,11 @@ class QuadrupedEnv(VectorEnv):
         self._device = sim.device
         self._terms = active_terms(config.reward.terms)
         self._weights = config.reward.weights()
-        self._noise = observations.noise_width(self.actor_entries, config.noise).to(self._device)
         self.num_steps = 0  # control steps of each robot since construction
         initial = config.hardening.initial
         self.difficulty = 1.0 if initial is None else initial  # share of noise, randomization and pushes
         self.skill_schedule: SkillSchedule | None = None  # None: all skills alike, as configured
+        self._pool = StartPool(self.setup, config, references, self.observer, generator)
         self._steps_to_draw = 0  # control steps until new starts are drawn
         num, device = self.num_envs, self._device
         self.step_count = torch.zeros(num, dtype=torch.int64, device=device)  # control steps into the episode
@@ -106,8 +96,8 @@ class QuadrupedEnv(VectorEnv):
         self.num_diverged = torch.zeros((), dtype=torch.int64, device=device)  # simulations since construction
         self.first_diverged = FirstCase(device)
         self.default_pose = constant(self.robot.default_joint_position, self.command)
-        self.observation = torch.zeros(num, config.observation.history * self._frame, device=device)
-        self.privileged = torch.zeros(num, observations.size(self.privileged_entries), device=device)
+        self.observation = torch.zeros(num, num_observed, device=device)
+        self.privileged = torch.zeros(num, num_privileged, device=device)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Tensor, dict[str, Any]]:
         """Restart every robot.
@@ -156,7 +146,7 @@ class QuadrupedEnv(VectorEnv):
         self.step_count = self.step_count + 1
 
         reached = self.sim.state
-        state, diverged = judged(self.robot, reached, useless, self._starts.initial.robot_state())
+        state, diverged = judged(self.robot, reached, useless, self._pool.starts.initial.robot_state())
         self.first_diverged.note(diverged, self._case(before, given, target, reached))
         measurement = measure(self.robot, state)
         self.num_diverged = self.num_diverged + diverged.sum()
@@ -176,8 +166,8 @@ class QuadrupedEnv(VectorEnv):
 
         self._draw_commands()
         situation = replace(situation, command=self.command, skill=self.skill)
-        frame, final_privileged = self._observe(situation)
-        final_observation = torch.cat([self.observation[:, self._frame :], frame], dim=1)
+        seen = self.observer.frame(situation, self.difficulty)
+        final_observation, final_privileged = self.observer.next(self.observation, seen.observation), seen.privileged
         self.observation, self.privileged = final_observation, final_privileged
         self._begin(terminated | truncated)
         return Step(
@@ -205,9 +195,10 @@ class QuadrupedEnv(VectorEnv):
         """
         self.command, self.skill = command.clone(), skill.clone()
         if self.config.command.source == EXTERNAL:
-            self._take_starts(replace(self._starts, command=self.command, skill=self.skill))
-        frame, self.privileged = self._observe(self._situation(measure(self.robot, self.sim.state)))
-        self.observation = torch.cat([self.observation[:, : -self._frame], frame], dim=1)
+            self._pool.keep(replace(self._pool.starts, command=self.command, skill=self.skill), self.difficulty)
+        seen = self.observer.frame(self._situation(measure(self.robot, self.sim.state)), self.difficulty)
+        self.observation = self.observer.corrected(self.observation, seen.observation)
+        self.privileged = seen.privileged
         return self.observation
 
     def state_dict(self) -> dict[str, Any]:
@@ -215,8 +206,7 @@ class QuadrupedEnv(VectorEnv):
         state: dict[str, Any] = {name: getattr(self, name) for name in _STATE}
         state["amp_history"] = self.motion.states
         state["dynamics"] = self.dynamics.tensors()
-        state["starts"] = self._starts.state_dict()
-        state["starts_observed"] = vars(self._starts_observed)
+        state |= self._pool.state_dict()
         state["steps_to_draw"] = self._steps_to_draw
         state["num_steps"] = self.num_steps
         state["difficulty"] = self.difficulty
@@ -227,24 +217,23 @@ class QuadrupedEnv(VectorEnv):
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
         generator = state["generator"]
-        state = _with_history(copied(state, self._device))
+        state = upgraded(copied(state, self._device))
         for name in _STATE:
             setattr(self, name, state[name])
         self.motion.states = state["amp_history"]
         self.dynamics = Dynamics.from_tensors(state["dynamics"])
-        self._starts = Starts.from_state_dict(state["starts"])
-        self._starts_observed = _Observed(**state["starts_observed"])
+        self._pool.load_state_dict(state)
         self._before = Before(self.last_action, self.motion.newest[:, _JOINT_VELOCITY])
         self._steps_to_draw = state["steps_to_draw"]
-        self.num_steps = state.get("num_steps", 0)  # before env.episode_growth nobody counted
-        self.difficulty = state.get("difficulty", 1.0)  # before env.hardening there was none
-        schedule = state.get("skill_schedule")
+        self.num_steps = state["num_steps"]
+        self.difficulty = state["difficulty"]
+        schedule = state["skill_schedule"]
         self.skill_schedule = None if schedule is None else SkillSchedule.from_state_dict(schedule, self._device)
         restore_generator(self._generator, generator)
         self.sim.prepare(self.dynamics)
-        self.sim.reset(torch.ones_like(self.step_count, dtype=torch.bool), self._starts.initial)
+        self.sim.reset(torch.ones_like(self.step_count, dtype=torch.bool), self._pool.starts.initial)
         self.sim.load_state_dict(state["sim"])
-        self.sim.prepare(self._starts.dynamics)
+        self.sim.prepare(self._pool.starts.dynamics)
 
     def close(self, **kwargs: Any) -> None:
         self.sim.close()
@@ -264,44 +253,22 @@ class QuadrupedEnv(VectorEnv):
 
     def _draw_starts(self, dynamics: Dynamics | None = None) -> None:
         """The start that each robot takes if its episode ends before the next draw."""
-        if dynamics is None:
-            ranges = randomization_at(self.difficulty, self.config.randomization)
-            dynamics = sample_dynamics(self.num_envs, ranges, self._generator)
-        skill = sample_skills(self.num_envs, self.num_skills, self._generator, self.skill_schedule)
-        starts = draw_starts(self.robot, dynamics, skill, self.config, self.references, self._generator)
+        starts = self._pool.drawn(self.num_envs, self.difficulty, self.skill_schedule, dynamics)
         if self.config.command.source == EXTERNAL:
             starts = replace(starts, command=self.command, skill=self.skill)
         self.sim.prepare(starts.dynamics)
-        self._take_starts(starts)
+        self._pool.keep(starts, self.difficulty)
         self._steps_to_draw = self._steps(STARTS_PERIOD_S)
-
-    def _take_starts(self, starts: Starts) -> None:
-        """Keep the starts for the episodes that begin, and what is observed in them."""
-        measurement, action = measure(self.robot, starts.initial.robot_state()), self._action_before(starts)
-        self._starts = starts
-        situation = Situation(
-            self.setup,
-            measurement,
-            starts.command,
-            starts.skill,
-            action,
-            starts.average_velocity,
-            starts.dynamics,
-            Before(action, measurement.joint_velocity),
-        )
-        frame, privileged = self._observe(situation)
-        self._starts_observed = _Observed(frame.repeat(1, self.config.observation.history), privileged)
 
     def _begin(self, mask: Tensor) -> None:
         """Begin an episode with the robots of ``mask`` (N,) bool."""
-        starts, observed = self._starts, self._starts_observed
+        starts, observed, action = self._pool.starts, self._pool.observed, self._pool.action
         self.sim.reset(mask, starts.initial)
         self.dynamics = self.dynamics.replaced(mask, starts.dynamics)
         self.step_count = self.step_count.masked_fill(mask, 0)
         self.skill = select(mask, starts.skill, self.skill)
         self.command = select(mask, starts.command, self.command)
         self.average_velocity = select(mask, starts.average_velocity, self.average_velocity)
-        action = self._action_before(starts)
         self.last_action = select(mask, action, self.last_action)
         self._before = Before(
             select(mask, action, self._before.action),
@@ -333,10 +300,6 @@ class QuadrupedEnv(VectorEnv):
         due = (self.step_count + 1) % self._steps(config.period_s) == 0
         self.sim.push(change * due[:, None])
 
-    def _action_before(self, starts: Starts) -> Tensor:
-        """(N, 12) the network's output that asks for the joint targets held before the start."""
-        return (starts.joint_target - self.default_pose) / self.action_scale
-
     def _case(
         self, before: dict[str, Tensor], action: Tensor, target: Tensor, reached: RobotState
     ) -> dict[str, Tensor]:
@@ -365,15 +328,6 @@ class QuadrupedEnv(VectorEnv):
             self._before,
         )
 
-    def _observe(self, situation: Situation) -> tuple[Tensor, Tensor]:
-        """This control step's frame of the policy's observation, with sensor noise, and the critic's privileged part
-        without."""
-        frame = observations.observe(self.actor_entries, situation)
-        if self.config.noise.enabled:
-            frame += self.difficulty * self._noise * uniform((-1.0, 1.0), tuple(frame.shape), self._generator)
-        privileged = observations.observe(self.privileged_entries, situation)
-        return _bounded(frame), _bounded(privileged)
-
 
 # Tensors that, with the dynamics, the simulator and the generator, make up the environment's state.
 _STATE = (
@@ -388,19 +342,5 @@ _STATE = (
 )
 
 
-def _with_history(state: dict[str, Any]) -> dict[str, Any]:
-    """The state as it is saved today; before ``env.transition_ages`` it held each robot's last AMP state alone, and
-    ``starts_observed`` was called ``starts_sight``."""
-    if "amp_state" not in state:
-        return state
-    observed: dict[str, Any] = dict(state["starts_observed" if "starts_observed" in state else "starts_sight"])
-    starts = state["starts"] | {"amp_history": observed.pop("amp_state")[:, None]}
-    return state | {"amp_history": state["amp_state"][:, None], "starts": starts, "starts_observed": observed}
-
-
 def _box(width: int) -> gym.spaces.Box:
     return gym.spaces.Box(-np.inf, np.inf, (width,), np.float32)
-
-
-def _bounded(value: Tensor) -> Tensor:
-    return value.nan_to_num(0.0).clamp_(-OBSERVATION_LIMIT, OBSERVATION_LIMIT)
