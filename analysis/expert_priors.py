@@ -102,16 +102,13 @@ def untrained_motion(config: Config, clips: list[Clip]) -> Transition:
     """What a fresh policy does in the environment under random commands and skills: UNTRAINED_STEPS of each robot."""
     actor, source = build_actor(config, generator(config.seed, "weights")), generator(config.seed, "policy")
     env = build_env(config, clips)
-    try:
-        observation, seen = env.reset(seed=config.seed)[0], []
-        for _ in range(UNTRAINED_STEPS):
-            with torch.no_grad():
-                mean = actor(observation)
-            step = env.advance(mean + actor.std.detach() * torch.randn(mean.shape, generator=source))
-            observation = step.observation
-            seen.append(step.motion())
-    finally:
-        env.close()
+    observation, seen = env.reset(seed=config.seed)[0], []
+    for _ in range(UNTRAINED_STEPS):
+        with torch.no_grad():
+            mean = actor(observation)
+        step = env.advance(mean + actor.std.detach() * torch.randn(mean.shape, generator=source))
+        observation = step.observation
+        seen.append(step.motion())
     return Transition(torch.cat([one.state for one in seen]), torch.cat([one.skill for one in seen]))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf, isfinite
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,10 +13,7 @@ import torch
 from numpy.typing import NDArray
 
 from camp.algo.skill import SkillPrior
-from camp.common.archive import read_arrays
-from camp.common.commands import command
 from camp.common.errors import CampError
-from camp.common.foreign import foreign_file
 from camp.common.histogram import BINS
 from camp.data import Transition
 from camp.gaits.schedule import GAIT_PHASES
@@ -28,8 +25,6 @@ from camp.runs.metrics import read_metrics
 if TYPE_CHECKING:  # camp.build imports the simulator, which figures drawn from arrays do not need
     from camp.build import Run
 
-LEAST_S = 2.0  # that an evaluation shows of each skill
-SWITCHING = ("period", "skills", "skill_switch_contact", "skill_switch_skill")  # what a roll-out is read from
 HISTOGRAM = "histogram"  # in the keys of metrics that are one
 
 
@@ -110,38 +105,6 @@ def _is_number(value: Any) -> bool:
 
 def _is_histogram(value: Any) -> bool:
     return isinstance(value, list) and len(value) == BINS and all(map(_is_number, value))
-
-
-def switching_sequence(folder: Path) -> SwitchingSequence:
-    """Read the switching roll-out from a run folder's eval.npz; AnalysisError where missing or broken."""
-    path = folder / ARRAYS
-    remedy = f"run `{command('camp.evaluate', run=folder)}`"
-    if not path.is_file():
-        raise AnalysisError(f"'{path}' does not exist: {remedy} first")
-    with foreign_file(path, f"'{path}' cannot be read", f"{remedy} again", AnalysisError):
-        arrays = read_arrays(path, SWITCHING)
-        for name in SWITCHING:
-            if name not in arrays:
-                raise AnalysisError(f"'{path}' has no array '{name}': {remedy} again")
-        sequence = SwitchingSequence(
-            period_s=float(arrays["period"]),
-            skills=tuple(str(name) for name in arrays["skills"]),
-            contact=arrays["skill_switch_contact"].astype(bool),
-            skill=arrays["skill_switch_skill"].astype(int),
-        )
-        _check_arrays(sequence)
-        return sequence
-
-
-def _check_arrays(sequence: SwitchingSequence) -> None:
-    """Raises ValueError where the arrays do not belong together."""
-    steps = sequence.skill.size
-    if not steps or sequence.skill.shape != (steps,) or sequence.contact.shape != (steps, 4):
-        raise ValueError(f"skills {sequence.skill.shape} and contacts {sequence.contact.shape} of T steps")
-    if not (sequence.skill.min() >= 0 and sequence.skill.max() < len(sequence.skills)):
-        raise ValueError(f"labels beyond the {len(sequence.skills)} skills")
-    if not LEAST_S <= steps * sequence.period_s < inf:
-        raise ValueError(f"{steps} steps with a period of {sequence.period_s} s, less than {LEAST_S:g} s or endless")
 
 
 def clip_features(run: Run) -> list[ClipFeatures]:

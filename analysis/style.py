@@ -19,7 +19,6 @@ from camp.gaits.skills import split_name
 from camp.metrics.gait import NO_GAIT
 
 COLUMN, PAGE = 3.5, 7.16  # inches, the width of a column and of both in a two-column paper
-WIDE = (PAGE, 3.4)
 SQUARE = (5.6, 5.0)
 BAND = (PAGE, 2.7)
 DPI = 200

@@ -20,7 +20,6 @@ from analysis.load import (
     gaits_of,
     learning_curve,
     newest_run,
-    switching_sequence,
 )
 from camp.algo.models import SkillEmbedding
 from camp.algo.skill import SkillPrior
@@ -63,56 +62,6 @@ def expert_clip(steps: int) -> Clip:
 def run_with(prior: SkillPrior | None, clips: list[Clip]) -> Any:
     """What the figures read of a trained run."""
     return SimpleNamespace(skill_prior=prior, clips=clips, config=compose_config(["run=smoke"]))
-
-
-def test_switching_sequence_arrives_whole(tmp_path):
-    sequence = switching_sequence(write_evaluation(tmp_path))
-    assert sequence.period_s == 0.02
-    assert sequence.skills == ("trot", "pace")
-    assert sequence.contact.shape == (100, 4) and sequence.contact.dtype == bool
-    assert [sequence.skills[i] for i in sequence.skill[[0, -1]]] == ["trot", "pace"]
-
-
-def test_missing_evaluation_names_the_remedy(tmp_path):
-    with pytest.raises(AnalysisError, match=r"eval\.npz' does not exist: run `python -m camp\.evaluate run="):
-        switching_sequence(tmp_path)
-
-
-def test_missing_array_is_named(tmp_path):
-    with pytest.raises(AnalysisError, match="skill_switch_contact"):
-        switching_sequence(write_evaluation(tmp_path, skill_switch_contact=None))
-
-
-def test_truncated_file_is_one_clear_line(tmp_path):
-    path = write_evaluation(tmp_path) / "eval.npz"
-    path.write_bytes(path.read_bytes()[:300])
-    with pytest.raises(AnalysisError, match="cannot be read") as error:
-        switching_sequence(tmp_path)
-    assert "\n" not in str(error.value)
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"skill_switch_skill": np.int64(0)}, r"skills \(\) and contacts \(100, 4\)"),
-        ({"skill_switch_skill": np.zeros(99, dtype=int)}, r"skills \(99,\)"),
-        ({"skill_switch_skill": np.full(100, 2)}, "labels beyond the 2 skills"),
-        ({"skill_switch_contact": np.bool_(True)}, r"contacts \(\)"),
-        ({"skills": np.str_("trot")}, "0-d array"),
-        ({"period": np.zeros(2)}, "cannot be read"),
-        ({"period": np.float64("nan")}, "a period of nan s"),
-        ({"skill_switch_skill": np.zeros(9), "skill_switch_contact": np.ones((9, 4))}, "9 steps .* less than 2 s"),
-    ],
-)
-def test_arrays_that_do_not_belong_together_are_one_clear_line(changes, words, tmp_path):
-    with pytest.raises(AnalysisError, match=words) as error:
-        switching_sequence(write_evaluation(tmp_path, **changes))
-    assert str(tmp_path / "eval.npz") in str(error.value) and "\n" not in str(error.value)
-
-
-def test_pickled_objects_are_refused(tmp_path):
-    with pytest.raises(AnalysisError, match="cannot be read"):
-        switching_sequence(write_evaluation(tmp_path, skills=np.array(["trot", None], dtype=object)))
 
 
 def test_newest_run_is_the_last_evaluated(tmp_path):

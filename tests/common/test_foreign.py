@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis.load import switching_sequence
 from camp.common.errors import CampError
 from camp.common.foreign import DEEPEST, LARGEST_BYTES, check_yaml, read_json
 from camp.config.resolve import load_run_config
@@ -40,7 +39,6 @@ JSON_READERS: dict[str, Reader] = {
 NPZ_READERS: dict[str, Reader] = {
     "clip.npz": load_clip,
     "log.npz": read_log,
-    "eval.npz": lambda path: switching_sequence(path.parent),
 }
 READERS: dict[str, Reader] = {
     **JSON_READERS,

@@ -14,7 +14,6 @@ from camp.common.seeding import (
     generator,
     generator_state,
     global_state,
-    numpy_generator,
     restore_generator,
     restore_global_state,
     seed_everything,
@@ -22,10 +21,8 @@ from camp.common.seeding import (
 from camp.runs.checkpoint import load_checkpoint, save_checkpoint
 
 
-def draw(source: torch.Generator | np.random.Generator, count: int = 8) -> list[float]:
-    if isinstance(source, torch.Generator):
-        return torch.rand(count, generator=source).tolist()
-    return source.random(count).tolist()
+def draw(source: torch.Generator, count: int = 8) -> list[float]:
+    return torch.rand(count, generator=source).tolist()
 
 
 def draw_globally() -> tuple[float, float, float, float]:
@@ -33,10 +30,9 @@ def draw_globally() -> tuple[float, float, float, float]:
     return random.random(), np.random.random(), np.random.standard_normal(), torch.rand(()).item()
 
 
-@pytest.mark.parametrize("make", [generator, numpy_generator])
-def test_stream_depends_on_seed_and_name_alone(make):
-    assert draw(make(3, "policy")) == draw(make(3, "policy"))
-    different = [draw(make(3, "policy")), draw(make(3, "environment")), draw(make(4, "policy"))]
+def test_stream_depends_on_seed_and_name_alone():
+    assert draw(generator(3, "policy")) == draw(generator(3, "policy"))
+    different = [draw(generator(3, "policy")), draw(generator(3, "environment")), draw(generator(4, "policy"))]
     assert different[0] != different[1] and different[0] != different[2]
 
 
@@ -72,13 +68,12 @@ def test_negative_seed_is_refused():
         seed_everything(-1)
 
 
-@pytest.mark.parametrize("make", [generator, numpy_generator])
-def test_generator_continues_from_a_checkpoint(make, tmp_path):
-    source = make(1, "minibatches")
+def test_generator_continues_from_a_checkpoint(tmp_path):
+    source = generator(1, "minibatches")
     draw(source, 13)
     path = save_checkpoint(tmp_path / "state.pt", {"minibatches": generator_state(source)})
     expected = draw(source)
-    other = make(99, "minibatches")
+    other = generator(99, "minibatches")
     restore_generator(other, load_checkpoint(path)["minibatches"])
     assert draw(other) == expected
 

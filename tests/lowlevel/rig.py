@@ -6,7 +6,6 @@ import numpy as np
 
 from camp.deployment.loop import Policy
 from camp.lowlevel.controller import Controller, Desk
-from camp.lowlevel.in_process import InProcessLink
 from camp.lowlevel.message_log import MessageLog
 from camp.lowlevel.messages import Array, Reading
 from camp.lowlevel.operator import Wanted
@@ -16,6 +15,7 @@ from camp.lowlevel.script import Script, read_script
 from camp.lowlevel.simulated_robot import SimulatedRobot
 from camp.lowlevel.walker import Walker
 from camp.robots.registry import find_robot
+from tests.lowlevel.in_process import InProcessLink
 
 
 def joints(value: float) -> Array:

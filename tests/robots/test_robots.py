@@ -12,7 +12,7 @@ from camp.common.errors import ConfigError
 from camp.config.compose import compose_config
 from camp.robots.a1 import A1
 from camp.robots.go2 import GO2
-from camp.robots.kinematics import foot_jacobian, foot_position, foot_velocity, inverse_kinematics
+from camp.robots.kinematics import foot_jacobian, foot_position, foot_velocity
 from camp.robots.quadruped import FOOT_NAMES, GRAVITY, JOINT_NAMES, NUM_LEGS
 from camp.robots.registry import DEFAULT_ROBOT, ROBOTS, find_robot
 from camp.robots.robot import Robot
@@ -92,22 +92,6 @@ def test_foot_velocity_is_the_time_derivative(robot):
     h = 1e-6
     difference = (foot_position(robot.leg, q + h * v) - foot_position(robot.leg, q - h * v)) / (2 * h)
     torch.testing.assert_close(foot_velocity(robot.leg, q, v), difference, atol=1e-6, rtol=0)
-
-
-def test_inverse_kinematics_inverts_in_the_walking_range(robot):
-    rng = np.random.default_rng(2)
-    low, high = np.array([-0.7, -0.3, -2.6] * 4), np.array([0.7, 2.0, -0.85] * 4)
-    joints = torch.from_numpy(rng.uniform(low, high, (300, 12)))
-    found = inverse_kinematics(robot.leg, foot_position(robot.leg, joints))
-    torch.testing.assert_close(found, joints, atol=1e-6, rtol=0)
-
-
-def test_inverse_kinematics_out_of_reach_stretches_toward_the_target(robot):
-    feet = foot_position(robot.leg, torch.tensor(robot.default_joint_position, dtype=torch.float64))
-    far = feet + torch.tensor([0.0, 0.0, -1.0], dtype=torch.float64)
-    reached = foot_position(robot.leg, inverse_kinematics(robot.leg, far))
-    assert torch.isfinite(reached).all()
-    assert (reached[..., 2] < -0.98 * (robot.leg.thigh_length + robot.leg.calf_length)).all()
 
 
 def test_standing_pose_touches_the_ground_and_holds(robot):

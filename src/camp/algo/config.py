@@ -41,7 +41,7 @@ class ActorConfig:
     initial_std: Std = MISSING  # action units, within [min_std, max_std]
     min_std: Std = MISSING  # action units, floor of the exploration std
     max_std: Std = MISSING  # action units, ceiling
-    learn_std: bool = MISSING  # false: the std only moves by `set_std`
+    learn_std: bool = MISSING  # false: the std stays at initial_std
 
     def check(self) -> None:
         checks.layers("algo.actor.hidden", self.hidden)

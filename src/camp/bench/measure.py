@@ -58,7 +58,6 @@ def _bench(config: Config, num_envs: int) -> None:
         free, total = torch.cuda.mem_get_info(device)
         name = torch.cuda.get_device_name(device)
         print(f"memory in use on {name}, by all that runs there: {(total - free) / 2**30:.1f} GiB")
-    training.env.close()
 
 
 def _now(device: torch.device) -> float:

@@ -15,12 +15,6 @@ import torch
 from torch import Tensor
 
 
-def _sequence(seed: int, stream: str) -> np.random.SeedSequence:
-    # sha256, because Python's own hash of a string differs from process to process.
-    digest = np.frombuffer(hashlib.sha256(stream.encode()).digest(), dtype="<u4")
-    return np.random.SeedSequence([seed, *(int(word) for word in digest)])
-
-
 def seed_everything(seed: int) -> None:
     """Seed the global generators of Python, NumPy and torch (all devices).
 
@@ -35,27 +29,22 @@ def seed_everything(seed: int) -> None:
 
 def generator(seed: int, stream: str, device: torch.device | str = "cpu") -> torch.Generator:
     """A torch generator that depends on `seed` and the stream's name alone."""
+    # sha256, because Python's own hash of a string differs from process to process.
+    digest = np.frombuffer(hashlib.sha256(stream.encode()).digest(), dtype="<u4")
+    sequence = np.random.SeedSequence([seed, *(int(word) for word in digest)])
     # torch's CPU generator uses the lower 32 bits of a seed, so give it no more.
-    word = int(_sequence(seed, stream).generate_state(1)[0])
+    word = int(sequence.generate_state(1)[0])
     return torch.Generator(device=device).manual_seed(word)
 
 
-def numpy_generator(seed: int, stream: str) -> np.random.Generator:
-    """A NumPy generator that depends on `seed` and the stream's name alone."""
-    return np.random.default_rng(_sequence(seed, stream))
+def generator_state(source: torch.Generator) -> Tensor:
+    """The generator's state in a form `save_checkpoint` accepts."""
+    return source.get_state()
 
 
-def generator_state(source: torch.Generator | np.random.Generator) -> Any:
-    """The generator's state in a form `save_checkpoint` accepts (a byte tensor or plain numbers)."""
-    return source.get_state() if isinstance(source, torch.Generator) else source.bit_generator.state
-
-
-def restore_generator(target: torch.Generator | np.random.Generator, state: Any) -> None:
-    """Put `target` back into a state from `generator_state`; it must be of the same kind."""
-    if isinstance(target, torch.Generator):
-        target.set_state(state.cpu())
-    else:
-        target.bit_generator.state = state
+def restore_generator(target: torch.Generator, state: Tensor) -> None:
+    """Put `target` back into a state from `generator_state`."""
+    target.set_state(_host(state))
 
 
 def global_state() -> dict[str, Any]:

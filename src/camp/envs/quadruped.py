@@ -235,9 +235,6 @@ class QuadrupedEnv(VectorEnv):
         self.sim.load_state_dict(state["sim"])
         self.sim.prepare(self._pool.starts.dynamics)
 
-    def close(self, **kwargs: Any) -> None:
-        self.sim.close()
-
     def _episode_steps(self) -> int | Tensor:
         """Control steps until an episode is truncated now, of all robots or (N,); grows with ``env.episode_growth``."""
         growth, longest = self.config.episode_growth, self.config.episode_s

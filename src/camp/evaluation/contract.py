@@ -18,7 +18,6 @@ from camp.gaits.skills import Skill
 from camp.robots.quadruped import JOINT_NAMES, NUM_JOINTS
 from camp.robots.registry import ROBOTS
 
-VERSION = 1
 STRICT = ConfigDict(extra="forbid")
 # Numbers of each observation term, besides `skill`, which has as many as the encodings of `skills`.
 TERM_SIZES = {

@@ -65,34 +65,31 @@ def roll_out(jobs: Sequence[tuple[Plan, Controller]], setting: Setting, track: T
     ]
     num, steps = len(whole), whole.steps
     sim = CpuSimulator(setting.robot, num, setting.period_s, setting.timestep_s, setting.threads)
-    try:
-        sim.prepare(whole.dynamics)
-        sim.reset(torch.ones(num, dtype=torch.bool), whole.starts.initial)
-        sim.hold_before(whole.starts.joint_target)
-        for rows, _, controller, _ in groups:
-            controller.start(whole.starts.joint_target[rows])
-        notes = _Notes(num, steps, sim)
-        target, change = torch.zeros(num, 12), torch.zeros(num, 3)
-        floor = InitialState.standing(sim.model, num, sim.device)  # where those that fell lie from then on
-        held = whole.starts.joint_target.clone()
-        for step in track(range(steps), "walking, control steps"):
-            true = measure(setting.robot, sim.state)
-            for rows, _, controller, disturbances in groups:
-                seen = disturbances.sensed(_rows(true, rows))
-                sight = Sight(seen, whole.command[rows], whole.skill[rows, step], step * setting.period_s)
-                with torch.no_grad():
-                    target[rows] = controller(sight)
-                held[rows] = disturbances.arriving(target[rows], held[rows])
-                change[rows] = disturbances.push(step)
-            sim.push(change)
-            sim.step(held)
-            state = sim.state
-            fell = failed(measure(setting.robot, state), diverged(setting.robot, state), FALL)
-            notes.take(step, target, sim, fell)
-            if fell.any():
-                sim.reset(fell, floor)
-    finally:
-        sim.close()
+    sim.prepare(whole.dynamics)
+    sim.reset(torch.ones(num, dtype=torch.bool), whole.starts.initial)
+    sim.hold_before(whole.starts.joint_target)
+    for rows, _, controller, _ in groups:
+        controller.start(whole.starts.joint_target[rows])
+    notes = _Notes(num, steps, sim)
+    target, change = torch.zeros(num, 12), torch.zeros(num, 3)
+    floor = InitialState.standing(sim.model, num, sim.device)  # where those that fell lie from then on
+    held = whole.starts.joint_target.clone()
+    for step in track(range(steps), "walking, control steps"):
+        true = measure(setting.robot, sim.state)
+        for rows, _, controller, disturbances in groups:
+            seen = disturbances.sensed(_rows(true, rows))
+            sight = Sight(seen, whole.command[rows], whole.skill[rows, step], step * setting.period_s)
+            with torch.no_grad():
+                target[rows] = controller(sight)
+            held[rows] = disturbances.arriving(target[rows], held[rows])
+            change[rows] = disturbances.push(step)
+        sim.push(change)
+        sim.step(held)
+        state = sim.state
+        fell = failed(measure(setting.robot, state), diverged(setting.robot, state), FALL)
+        notes.take(step, target, sim, fell)
+        if fell.any():
+            sim.reset(fell, floor)
     return [notes.trace(setting, plan, rows) for rows, plan, _, _ in groups]
 
 

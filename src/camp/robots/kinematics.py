@@ -63,24 +63,3 @@ def foot_velocity(leg: LegGeometry, joint_position: Tensor, joint_velocity: Tens
     """d foot position / dt in the base frame: (..., 12) and (..., 12) rad/s to (..., 4, 3) m/s."""
     rate = joint_velocity.unflatten(-1, (NUM_LEGS, 3))
     return (foot_jacobian(leg, joint_position) @ rate.unsqueeze(-1)).squeeze(-1)
-
-
-def inverse_kinematics(leg: LegGeometry, foot: Tensor) -> Tensor:
-    """Joint positions (..., 12) that put the feet at ``foot`` (..., 4, 3), knees bent backward.
-
-    A target out of reach gives the joint positions of the nearest reachable leg length in its direction.
-    """
-    relative = foot - _hip_position(leg, foot)
-    offset = _thigh_offset(leg, foot)
-    y, z = relative[..., 1], relative[..., 2]
-    down = -torch.sqrt((y**2 + z**2 - offset**2).clamp_min(0.0))
-    hip = torch.atan2(z, y) - torch.atan2(down, offset)
-    hip = torch.atan2(torch.sin(hip), torch.cos(hip))
-    forward = relative[..., 0]
-    length_squared = forward**2 + down**2
-    cos_knee = (length_squared - leg.thigh_length**2 - leg.shank**2) / (2 * leg.thigh_length * leg.shank)
-    knee = -torch.acos(cos_knee.clamp(-1.0, 1.0))
-    thigh = torch.atan2(-forward, -down) - torch.atan2(
-        leg.shank * torch.sin(knee), leg.thigh_length + leg.shank * torch.cos(knee)
-    )
-    return torch.stack([hip, thigh, knee - leg.shank_angle], dim=-1).flatten(-2)

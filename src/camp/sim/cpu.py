@@ -114,9 +114,6 @@ class CpuSimulator:
             self._delays.load_state_dict(state["delays"])
             self._no_delay = self._delays.idle()
 
-    def close(self) -> None:
-        """Nothing to release: the thread pool ends with the batch."""
-
     def _foot_stance(self) -> Tensor:
         return torch.from_numpy(self.contact.mean(axis=1, dtype=np.float32))
 

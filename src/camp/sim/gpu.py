@@ -146,9 +146,6 @@ class GpuSimulator:
         if "delays" in state:  # absent where it was saved before there were delays
             self._delays.load_state_dict(state["delays"])
 
-    def close(self) -> None:
-        """Nothing to release: the arrays go with the object."""
-
     def _state(self) -> dict[str, Tensor]:
         return {
             "qpos": self._qpos,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
 from camp.build import Training, build_training
@@ -35,16 +35,16 @@ def start(config: Config) -> Path:
     """Train a new policy; returns its run folder. Raises CampError."""
     if distributed.is_first():
         check_root(Path(config.output_dir))
-    with _training(config) as training:
-        imitation, folder = distributed.on_first(lambda: _begin(training, config))
-        keep_imitating(training, config)
-        runner = Runner(training, config, folder)
-        runner.start()
-        with _folder(runner), _logger(runner) as logger:
-            if distributed.is_first():
-                write_text(runner.folder / IMITATION, "".join(json.dumps(row) + "\n" for row in imitation))
-            runner.save()
-            _run(runner, logger)
+    training = _training(config)
+    imitation, folder = distributed.on_first(lambda: _begin(training, config))
+    keep_imitating(training, config)
+    runner = Runner(training, config, folder)
+    runner.start()
+    with _folder(runner), _logger(runner) as logger:
+        if distributed.is_first():
+            write_text(runner.folder / IMITATION, "".join(json.dumps(row) + "\n" for row in imitation))
+        runner.save()
+        _run(runner, logger)
     return runner.folder
 
 
@@ -74,25 +74,20 @@ def resume(folder: Path, overrides: Sequence[str]) -> Path:
             f"{folder} has all its {config.run.iterations} iterations; add more with run.iterations=<number>"
         )
         return folder
-    with _training(config) as training:
-        keep_imitating(training, config)
-        runner = Runner(training, config, folder)
-        _restore(runner, state)
-        with _folder(runner), _logger(runner, resume_from=runner.iteration) as logger:
-            _run(runner, logger)
+    training = _training(config)
+    keep_imitating(training, config)
+    runner = Runner(training, config, folder)
+    _restore(runner, state)
+    with _folder(runner), _logger(runner, resume_from=runner.iteration) as logger:
+        _run(runner, logger)
     return folder
 
 
-@contextmanager
-def _training(config: Config) -> Iterator[Training]:
+def _training(config: Config) -> Training:
     set_threads(config.sim.threads)
     seed_everything(config.seed)
     with phase("reading clips and building the robots") if distributed.is_first() else nullcontext():
-        training = build_training(config)
-    try:
-        yield training
-    finally:
-        training.env.close()
+        return build_training(config)
 
 
 def _folder(runner: Runner) -> AbstractContextManager[None]:

@@ -52,12 +52,9 @@ def foot_stance(robot: Robot, clip: Clip, physics_timestep: float) -> np.ndarray
 def _simulated(robot: Robot, clip: Clip, physics_timestep: float) -> tuple[np.ndarray, np.ndarray]:
     """After the control step that begins with each row: joints (T, 12) rad and stance (T, 4)."""
     sim = CpuSimulator(robot, len(clip), clip.dt, physics_timestep, threads=1)
-    try:
-        sim.reset(torch.ones(len(clip), dtype=torch.bool), _initial(clip))
-        sim.step(torch.from_numpy(clip.joint_target_applied))
-        return sim.state.joint_position.numpy(), sim.state.foot_stance.numpy()
-    finally:
-        sim.close()
+    sim.reset(torch.ones(len(clip), dtype=torch.bool), _initial(clip))
+    sim.step(torch.from_numpy(clip.joint_target_applied))
+    return sim.state.joint_position.numpy(), sim.state.foot_stance.numpy()
 
 
 def _initial(clip: Clip) -> InitialState:

@@ -1,4 +1,4 @@
-"""A simulated robot in this process, in lockstep: what tests and measurements need no network for."""
+"""A simulated robot in this process, in lockstep: the tests need no network for it."""
 
 from __future__ import annotations
 
