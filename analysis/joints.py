@@ -116,6 +116,9 @@ def _name_skills(axes: Axes, commanded: Sequence[Span]) -> None:
 def _draw_reference(axes: Axes, reference: Mapping[str, ReferenceSummary]) -> None:
     """Accuracy, mean of thigh and calf: policy, standing, and the policy against another gait's clip."""
     rows = [name for name in reference if name != "all" and reference[name].policy]
+    if not rows:  # no walk was long enough to be compared
+        axes.set_axis_off()
+        return
     looks = {"policy": ("o", ACTUAL), "standing": ("s", GREY), "other_gait": ("^", TARGET)}
     for part, (mark, colour) in looks.items():
         found = [getattr(reference[name], part) for name in rows]

@@ -14,14 +14,9 @@ import numpy as np
 import torch
 
 from analysis.load import ClipFeatures, features_of, first_touchdown
+from analysis.nominal_walks import walk
 from camp.build import Run, seen_by_discriminators
 from camp.data import Transition
-from camp.evaluation.composing import compose_evaluation
-from camp.evaluation.plan import ONE_SIZE, Disturbances, Plan
-from camp.evaluation.recording import Recording, record
-from camp.evaluation.rollout import Setting, roll_out
-from camp.evaluation.sampling import standing_starts
-from camp.evaluation.subjects import subject_of_run
 from camp.gaits.skills import Skill
 from camp.metrics.gait import measure_gait
 from camp.motion.clips.clip import Clip
@@ -30,7 +25,6 @@ from camp.motion.clips.store import load_clip, save_clip
 from camp.motion.dataset.generate import generate_clip
 from camp.motion.dataset.requests import ClipRequest
 from camp.robots.registry import find_robot
-from camp.sim.base import Dynamics
 
 UNSEEN = (0.45, 0.1, 0.2)  # vx, vy in m/s, yaw rate in rad/s
 SEGMENT_S = 10.0
@@ -79,8 +73,10 @@ def policy_walks(run: Run, folder: Path) -> list[ClipFeatures]:
     """
     features_of(run, [])  # is there one at all?
     assert run.skill_prior is not None
-    walked, subject = _walk(run, folder), subject_of_run(run, folder, "walks", baselines=False)
-    skills, ages, first = subject.contract.skill_set, run.config.env.transition_ages, round(WALK_S[0] / CONTROL_S)
+    skills, ages, first = run.config.motion.skill_set(), run.config.env.transition_ages, round(WALK_S[0] / CONTROL_S)
+    label = torch.arange(len(skills)).repeat_interleave(len(COMMANDS))
+    steps = round(sum(WALK_S) / CONTROL_S)
+    walked = walk(run, folder, "walks", label[:, None].repeat(1, steps), list(COMMANDS) * len(skills))
     states = [walked.amp_state, walked.foot_stance] if run.config.env.foot_stance else [walked.amp_state]
     seen = torch.from_numpy(np.concatenate(states, axis=-1)[:, first:])
     found = []
@@ -93,31 +89,6 @@ def policy_walks(run: Run, folder: Path) -> list[ClipFeatures]:
         touchdown = first_touchdown(contact[ages[0] - 1 :, 0])
         found.append(ClipFeatures(skill.gait, frequency, walked.command[row], feature.numpy(), touchdown, CONTROL_S))
     return found
-
-
-def _walk(run: Run, folder: Path) -> Recording:
-    """Nominal robots from standing: every skill at each of COMMANDS."""
-    subject, evaluation = subject_of_run(run, folder, "walks", baselines=False), compose_evaluation()
-    num = len(run.skills) * len(COMMANDS)
-    label = torch.arange(len(run.skills)).repeat_interleave(len(COMMANDS))
-    robot = find_robot(run.config.robot.name)
-    plan = Plan(
-        "walks",
-        label[:, None].repeat(1, round(sum(WALK_S) / CONTROL_S)),
-        torch.tensor(COMMANDS).repeat(len(run.skills), 1),
-        standing_starts(robot, num, ONE_SIZE, torch.Generator().manual_seed(0)),
-        Dynamics.nominal(num, evaluation.randomization.nominal_friction, torch.device("cpu")),
-        Disturbances.of(num),
-    )
-    setting = Setting(
-        CONTROL_S,
-        robot,
-        evaluation.noise,
-        evaluation.push_period_s,
-        seed=0,
-        timestep_s=run.config.sim.physics_timestep_s,
-    )
-    return record(roll_out([(plan, subject.controller())], setting)[0])
 
 
 def segment_features(run: Run, folder: Path = FOLDER) -> list[ClipFeatures]:

@@ -33,7 +33,8 @@ class SkillCost:
 
 
 def compute_cost(config: Config, numbers: Sequence[int] = NUMBERS) -> SkillCost:
-    """Count what the priors of these networks would learn."""
+    """Count what the priors of these networks would learn, for those numbers that their embedding has room for."""
+    numbers = [number for number in numbers if number <= config.algo.embedding_size]
     shape, source = config.env.transition_shape(), torch.Generator().manual_seed(0)
     conditional = replace(config.algo.style, conditional=True, mismatch_fraction=0.0, replay_size=0)
     shared, separate = [], []

@@ -121,7 +121,12 @@ def job_of(study: Study, arm: str, seed: int) -> Job:
     return Job(
         arm,
         seed,
-        (*study.preset, *study.arms[arm], f"variant={arm}", f"seed={seed}", f"run.iterations={study.iterations}"),
+        (
+            *study.preset,
+            *study.arms[arm],
+            *(f"variant={arm}", f"seed={seed}", f"run.iterations={study.iterations}"),
+            f"logger.wandb_tags=[{study.name}]",
+        ),
     )
 
 

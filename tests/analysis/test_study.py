@@ -54,7 +54,7 @@ def test_arms_by_name_are_the_files_of_ablations(tiny):
     assert study.arms == {"full": ["+ablation=full"], "no_skill_obs": ["+ablation=no_skill_obs"]}
     assert [(job.arm, job.seed) for job in jobs_of(study)] == [("full", 0), ("no_skill_obs", 0)]
     job = job_of(study, "full", 0)
-    assert job.overrides[-3:] == ("variant=full", "seed=0", "run.iterations=2")
+    assert job.overrides[-4:] == ("variant=full", "seed=0", "run.iterations=2", "logger.wandb_tags=[tiny]")
 
 
 def test_a_changed_study_has_other_runs(tiny):
