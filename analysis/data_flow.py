@@ -8,14 +8,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch
 
-from analysis.style import GREY, INK, PAGE, new_figure, style
+from analysis.style import GREY, INK, PAGE, TERM_COLOURS, new_figure, style
 from camp.algo.config import ImitationConfig
 from camp.config.schema import Config
 from camp.envs.observations import sizes
 from camp.motion.clips.clip import TRAINING_SPLITS
 from camp.robots.quadruped import NUM_JOINTS
 
-POLICY, STYLE, SKILL, DATA = "#0072B2", "#D55E00", "#009E73", "#7A7A7A"
+POLICY, STYLE, SKILL, DATA = "#0072B2", TERM_COLOURS["style"], TERM_COLOURS["skill"], "#7A7A7A"
 
 
 @dataclass(frozen=True)

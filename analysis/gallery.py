@@ -76,7 +76,9 @@ def _clusters(sources: Sources) -> Figure:
 
 def _dtw(sources: Sources) -> Figure:
     against = compute_distances(sources.walks, sources.clips)
-    panels = {"expert's clips": compute_distances(sources.clips), "policy's walks against the expert's": against}
+    labels = "gait" if sources.run.config.motion.labels == "gait" else "gait and frequency"
+    expert = f"expert's clips, labelled by {labels}"
+    panels = {expert: compute_distances(sources.clips), "policy's walks against the expert's": against}
     return draw_distances(panels, ("", "policy"))
 
 

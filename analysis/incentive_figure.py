@@ -13,9 +13,9 @@ from analysis.arms import title_of
 from analysis.expert_priors import FAKES
 from analysis.incentive import Incentive, margins
 from analysis.matrices import Axis, Panel, Scale, draw_panels
-from analysis.style import COLUMN, GRID, INK, new_figure, style
+from analysis.style import COLUMN, GRID, INK, TERM_COLOURS, new_figure, style
 
-LOOKS = {"style": ("o", "#D55E00"), "skill": ("s", "#0072B2")}  # of the priors
+MARKS = {"style": "o", "skill": "s"}  # of the priors
 
 
 def mean_reward(rows: Sequence[Incentive], arm: str, fakes: str) -> NDArray[np.floating]:
@@ -43,11 +43,12 @@ def draw_margins(rows: Sequence[Incentive]) -> Figure:
         axes = figure.subplots(2, 1, sharex=True)
         for axis, fakes in zip(axes, FAKES, strict=True):
             axis.axvline(0.0, color=INK, linewidth=0.6)
-            for offset, (prior, (mark, colour)) in zip((-0.16, 0.16), LOOKS.items(), strict=True):
+            for offset, (prior, mark) in zip((-0.16, 0.16), MARKS.items(), strict=True):
+                look = {"ms": 3, "color": TERM_COLOURS[prior], "alpha": 0.8}
                 for place, arm in enumerate(arms):
                     values = found[arm, fakes, prior]
                     label = f"{prior} reward" if place == 0 else None
-                    axis.plot(values, [place + offset] * len(values), mark, ms=3, color=colour, alpha=0.8, label=label)
+                    axis.plot(values, [place + offset] * len(values), mark, label=label, **look)
             axis.set_yticks(range(len(arms)), [title_of(arm) for arm in arms], fontsize=6.5)
             axis.set_ylim(len(arms) - 0.5, -0.5)
             axis.grid(axis="x", color=GRID, linewidth=0.5)

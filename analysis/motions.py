@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from analysis.contacts import FEET, spans
 from analysis.load import AnalysisError
-from analysis.style import GAIT_COLOURS, INK, new_figure, save, style
+from analysis.style import GAIT_COLOURS, INK, PAGE, new_figure, save, style
 from camp.cli.key_values import run_command
 from camp.common.commands import command
 from camp.common.paths import shipped_motions
@@ -31,7 +31,7 @@ from camp.robots.registry import DEFAULT_ROBOT
 
 SHOWN_COMMAND = "forward_0.6"  # of the steady clips that are drawn
 SHOWN_S = 1.0  # of a steady clip
-PAGE = (7.2, 7.0)  # inches
+
 EXAMPLES = {  # clip: what it shows
     "trot_3hz_speeding_up": "speeding up (varied)",
     "pace_3hz_changing_00001": "changing commands (varied)",
@@ -80,7 +80,7 @@ def compute_traces(clip: Clip, title: str, duration_s: float | None = None) -> M
 def draw_gait(gait: str, columns: list[MotionTraces]) -> Figure:
     """One column per stride frequency: contacts, joints of the front left leg, height and pitch, speed."""
     with style():
-        figure = new_figure(PAGE)
+        figure = new_figure((PAGE, 7.0))
         axes = figure.subplots(5, len(columns), sharex="col", sharey="row", squeeze=False)
         for column, traces in enumerate(columns):
             _draw_contacts(axes[0, column], traces)
@@ -104,7 +104,7 @@ def draw_gait(gait: str, columns: list[MotionTraces]) -> Figure:
 def draw_examples(examples: list[MotionTraces]) -> Figure:
     """One row per clip that is not steady: contacts above, speed and turning against the command below."""
     with style():
-        figure = new_figure(PAGE)
+        figure = new_figure((PAGE, 7.0))
         axes = figure.subplots(2 * len(examples), 1, height_ratios=[2, 3] * len(examples), squeeze=False)[:, 0]
         for index, traces in enumerate(examples):
             feet, speed = axes[2 * index], axes[2 * index + 1]

@@ -139,6 +139,5 @@ def interval_text(found: Interval | None) -> str:
     """Mean and interval, the mean alone of a single seed."""
     if found is None:
         return "-"
-    if found.n == 1:
-        return f"{found.value:.2f}"
-    return f"{found.value:.2f} [{found.low:.2f}, {found.high:.2f}]"
+    value, low, high = (f"{round(one, 2) + 0.0:.2f}" for one in (found.value, found.low, found.high))  # no "-0.00"
+    return value if found.n == 1 else f"{value} [{low}, {high}]"

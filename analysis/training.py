@@ -14,12 +14,11 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, PercentFormatter
 from numpy.typing import NDArray
 
-from analysis.style import INK, TERM_COLOURS, new_figure, skill_colours, style
+from analysis.style import GRID, INK, PAGE, TERM_COLOURS, new_figure, skill_colours, style
 from camp.common.histogram import EDGES
 from camp.gaits.skills import split_name
 from camp.metrics.tracking import FAST_COMMAND_M_S
 
-PAGE = (7.2, 8.2)  # inches
 LAYOUT: list[Any] = [  # two rows to a panel, but for the two halves of the policy's
     ["gait", "gait"],
     ["gait", "gait"],
@@ -43,7 +42,6 @@ LEGEND: dict[str, Any] = {
     "borderpad": 0.1,
     "borderaxespad": 0.5,
 }
-GRID = "#E5E5E5"
 
 _GAIT_ACCURACY = re.compile(r"gait/([^/]+)/accuracy")
 _STRIDES = ("-", (0, (4, 1.5)), (0, (1, 1.2)))  # from the highest stride frequency down
@@ -143,7 +141,7 @@ def draw_curves(training: TrainingCurves) -> Figure:
     """Gaits, rewards, errors, falls, discriminators and the policy's update; faint lines are the values as recorded,
     strong ones their running means. What was not recorded is left out."""
     with style():
-        figure = new_figure(PAGE)
+        figure = new_figure((PAGE, 8.2))
         figure.set_layout_engine("constrained", w_pad=0.1)  # inches
         panels = figure.subplot_mosaic(LAYOUT, sharex=True)
         _draw_gaits(panels["gait"], training)
