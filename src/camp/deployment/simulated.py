@@ -11,15 +11,11 @@ import numpy as np
 from camp.common.errors import CampError
 from camp.common.mujoco_log import no_log_file
 from camp.deployment.loop import Array
+from camp.robots.mujoco_robot import Joints, has_diverged, put_on_ground
 from camp.robots.quadruped import CONTACT_FORCE, FOOT_NAMES
 from camp.robots.registry import find_robot
 
 FALL_TILT = 0.8  # rad, between the trunk's and the world's vertical
-DIVERGED = (  # MuJoCo starts anew after these, with no more than a warning
-    mujoco.mjtWarning.mjWARN_BADQPOS,
-    mujoco.mjtWarning.mjWARN_BADQVEL,
-    mujoco.mjtWarning.mjWARN_BADQACC,
-)
 
 
 class Robot:
@@ -30,10 +26,7 @@ class Robot:
         no_log_file()
         self.model = mujoco.MjModel.from_xml_path(str(find_robot(metadata["robot"]).model_path))
         self.data = mujoco.MjData(self.model)
-        joints = [self.model.joint(name) for name in metadata["joint_names"]]
-        self._position = np.array([joint.qposadr[0] for joint in joints])
-        self._velocity = np.array([joint.dofadr[0] for joint in joints])
-        self._actuator = np.array([self.model.actuator(name).id for name in metadata["joint_names"]])
+        self._joints = Joints.of(self.model, metadata["joint_names"])
         period, timestep = metadata["control_period"], self.model.opt.timestep
         self.substeps = round(period / timestep)
         if not math.isclose(self.substeps * timestep, period):
@@ -41,22 +34,16 @@ class Robot:
                 f"metadata control_period = {period:g}: no multiple of the physics timestep, {timestep:g} s; export a "
                 "policy that was trained at one"
             )
-        # A position actuator's force is kp (target - q) - kd q', clipped at the torque limit in the model.
-        self.model.actuator_gainprm[self._actuator, 0] = metadata["kp"]
-        self.model.actuator_biasprm[self._actuator, 1] = -np.array(metadata["kp"])
-        self.model.actuator_biasprm[self._actuator, 2] = -np.array(metadata["kd"])
+        self._joints.set_gains(self.model, metadata["kp"], metadata["kd"])
         self._pose = np.array(metadata["default_pose"])
         self.stand()
 
     def stand(self) -> None:
         """Put the robot on the ground, at rest in the default pose, its lowest foot just touching."""
         mujoco.mj_resetData(self.model, self.data)
-        self.data.qpos[self._position] = self._pose
-        self.data.ctrl[self._actuator] = self._pose
-        mujoco.mj_kinematics(self.model, self.data)
-        feet = [self.model.geom(f"{leg}_foot").id for leg in FOOT_NAMES]
-        self.data.qpos[2] -= (self.data.geom_xpos[feet, 2] - self.model.geom_size[feet, 0]).min()
-        mujoco.mj_forward(self.model, self.data)
+        self.data.qpos[self._joints.position] = self._pose
+        self.data.ctrl[self._joints.motor] = self._pose
+        put_on_ground(self.model, self.data)
 
     def hold(self, target: Array) -> None:
         """Hold joint targets (12,) in rad for one control period. Raises CampError where the simulation diverges."""
@@ -65,12 +52,12 @@ class Robot:
 
     def aim(self, target: Array) -> None:
         """Hold joint targets (12,) in rad from now on."""
-        self.data.ctrl[self._actuator] = target
+        self.data.ctrl[self._joints.motor] = target
 
     def step(self, count: int = 1) -> None:
         """Let ``count`` physics timesteps pass. Raises CampError where the simulation diverges."""
         mujoco.mj_step(self.model, self.data, count)
-        if any(self.data.warning[kind].number for kind in DIVERGED):
+        if has_diverged(self.data):
             raise CampError("the robot's state is not finite: the simulation diverged; check the metadata's kp and kd")
 
     def push(self, vx: float, vy: float) -> None:
@@ -80,12 +67,12 @@ class Robot:
     @property
     def joint_position(self) -> Array:
         """(12,) rad."""
-        return self.data.qpos[self._position].astype(np.float32)
+        return self.data.qpos[self._joints.position].astype(np.float32)
 
     @property
     def joint_velocity(self) -> Array:
         """(12,) rad/s."""
-        return self.data.qvel[self._velocity].astype(np.float32)
+        return self.data.qvel[self._joints.velocity].astype(np.float32)
 
     @property
     def angular_velocity(self) -> Array:

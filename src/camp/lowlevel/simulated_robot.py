@@ -11,15 +11,11 @@ from numpy.typing import NDArray
 from camp.common.errors import SimulationError
 from camp.lowlevel.messages import Command, Reading
 from camp.lowlevel.motion import FOLDED
+from camp.robots.mujoco_robot import Joints, has_diverged, put_on_ground
 from camp.robots.quadruped import CONTACT_FORCE, FOOT_NAMES, GRAVITY, JOINT_NAMES
 from camp.robots.robot import Robot
 
 UP = np.array([0.0, 0.0, GRAVITY])  # m/s^2, what a resting accelerometer feels
-DIVERGED = (  # MuJoCo starts anew after these, with no more than a warning
-    mujoco.mjtWarning.mjWARN_BADQPOS,
-    mujoco.mjtWarning.mjWARN_BADQVEL,
-    mujoco.mjtWarning.mjWARN_BADQACC,
-)
 
 
 class SimulatedRobot:
@@ -28,30 +24,24 @@ class SimulatedRobot:
     def __init__(self, robot: Robot):
         self._model = mujoco.MjModel.from_xml_path(str(robot.model_path))
         self.data = mujoco.MjData(self._model)
-        joints = [self._model.joint(name) for name in JOINT_NAMES]
-        self._position = np.array([joint.qposadr[0] for joint in joints])
-        self._velocity = np.array([joint.dofadr[0] for joint in joints])
-        self._motor = np.array([self._model.actuator(name).id for name in JOINT_NAMES])
+        self._joints = Joints.of(self._model, JOINT_NAMES)
         self.timestep_s = float(self._model.opt.timestep)
-        self.data.qpos[self._position] = FOLDED
-        mujoco.mj_kinematics(self._model, self.data)
-        feet = [self._model.geom(f"{leg}_foot").id for leg in FOOT_NAMES]
-        self.data.qpos[2] -= (self.data.geom_xpos[feet, 2] - self._model.geom_size[feet, 0]).min()
-        mujoco.mj_forward(self._model, self.data)
+        self.data.qpos[self._joints.position] = FOLDED
+        put_on_ground(self._model, self.data)
 
     def step(self, command: Command | None) -> None:
         """One timestep under a command; None: the motors are off. Raises SimulationError where it diverges."""
-        gain, bias = self._model.actuator_gainprm, self._model.actuator_biasprm
-        gain[self._motor, 0] = 1.0
+        motor, gain, bias = self._joints.motor, self._model.actuator_gainprm, self._model.actuator_biasprm
+        gain[motor, 0] = 1.0
         if command is None:
-            bias[self._motor, 1:3] = 0.0
-            self.data.ctrl[self._motor] = 0.0
+            bias[motor, 1:3] = 0.0
+            self.data.ctrl[motor] = 0.0
         else:
-            bias[self._motor, 1], bias[self._motor, 2] = -command.kp, -command.kd
+            bias[motor, 1], bias[motor, 2] = -command.kp, -command.kd
             drive = command.torque + command.kp * command.target + command.kd * command.velocity
-            self.data.ctrl[self._motor] = drive
+            self.data.ctrl[motor] = drive
         mujoco.mj_step(self._model, self.data)
-        if any(self.data.warning[kind].number for kind in DIVERGED):
+        if has_diverged(self.data):
             raise SimulationError("the simulated robot's state is not finite: the simulation diverged; check the gains")
 
     def reading(self, remote: bytes) -> Reading:
@@ -61,11 +51,11 @@ class SimulatedRobot:
         felt = turn.reshape(3, 3).T @ (self.data.qacc[:3] + UP)
         return Reading(
             time_ms=round(self.data.time * 1000),
-            joint_position=self.data.qpos[self._position].astype(np.float32),
-            joint_velocity=self.data.qvel[self._velocity].astype(np.float32),
+            joint_position=self.data.qpos[self._joints.position].astype(np.float32),
+            joint_velocity=self.data.qvel[self._joints.velocity].astype(np.float32),
             attitude=self.data.qpos[3:7].astype(np.float32),
             angular_velocity=self.data.qvel[3:6].astype(np.float32),
-            joint_torque=self.data.actuator_force[self._motor].astype(np.float32),
+            joint_torque=self.data.actuator_force[self._joints.motor].astype(np.float32),
             acceleration=felt.astype(np.float32),
             remote=remote,
         )

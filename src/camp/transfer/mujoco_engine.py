@@ -5,6 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from camp.robots.mujoco_robot import Joints
 from camp.robots.quadruped import FOOT_NAMES, JOINT_NAMES
 from camp.robots.registry import find_robot
 from camp.transfer.description import Description
@@ -23,14 +24,8 @@ class MujocoEngine:
         self._description = description
         self._model = mujoco.MjModel.from_xml_path(str(find_robot(description.name).model_path))
         self._data = mujoco.MjData(self._model)
-        joints = [self._model.joint(name) for name in JOINT_NAMES]
-        self._position = np.array([joint.qposadr[0] for joint in joints])
-        self._velocity = np.array([joint.dofadr[0] for joint in joints])
-        self._motor = np.array([self._model.actuator(name).id for name in JOINT_NAMES])
-        # A position actuator's force is kp (target - q) - kd q', clipped at the torque limit in the model.
-        self._model.actuator_gainprm[self._motor, 0] = description.kp
-        self._model.actuator_biasprm[self._motor, 1] = -description.kp
-        self._model.actuator_biasprm[self._motor, 2] = -description.kd
+        self._joints = Joints.of(self._model, JOINT_NAMES)
+        self._joints.set_gains(self._model, description.kp, description.kd)
         self.timestep_s = float(self._model.opt.timestep)
         # By the names that `contacts_of` reads; each sensor is the ground's net force on a part.
         self._sensor = {f"{foot}_foot": f"{foot}_contact" for foot in FOOT_NAMES}
@@ -39,12 +34,12 @@ class MujocoEngine:
     def reset(self) -> None:
         mujoco.mj_resetData(self._model, self._data)
         self._data.qpos[2] = self._description.height
-        self._data.qpos[self._position] = self._description.default_pose
+        self._data.qpos[self._joints.position] = self._description.default_pose
         self.set_targets(self._description.default_pose)
         mujoco.mj_forward(self._model, self._data)
 
     def set_targets(self, target: Floats) -> None:
-        self._data.ctrl[self._motor] = target
+        self._data.ctrl[self._joints.motor] = target
 
     def step(self) -> None:
         mujoco.mj_step(self._model, self._data, round(READING_S / self.timestep_s))
@@ -57,8 +52,8 @@ class MujocoEngine:
             position=self._data.qpos[:3].copy(),
             rotation=rotation,
             angular_velocity=rotation @ self._data.qvel[3:6],
-            joint_position=self._data.qpos[self._position],
-            joint_velocity=self._data.qvel[self._velocity],
+            joint_position=self._data.qpos[self._joints.position],
+            joint_velocity=self._data.qvel[self._joints.velocity],
         )
 
     def contacts(self) -> Contacts:
