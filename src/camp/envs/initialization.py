@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import torch
-from torch import Tensor
 
 from camp.common.tensors import constant
 from camp.envs.commands import uniform
@@ -13,7 +12,7 @@ from camp.motion.clips.sampler import ReferenceState
 from camp.robots.kinematics import foot_position
 from camp.robots.quadruped import NUM_JOINTS
 from camp.robots.robot import Robot
-from camp.sim.base import InitialState, select
+from camp.sim.base import InitialState
 
 
 def from_reference(reference: ReferenceState) -> InitialState:
@@ -48,11 +47,4 @@ def standing(robot: Robot, num: int, config: InitializationConfig, generator: to
         base_angular_velocity=torch.zeros(num, 3, device=device),
         joint_position=joints,
         joint_velocity=torch.zeros(num, NUM_JOINTS, device=device),
-    )
-
-
-def merge(choose_first: Tensor, first: InitialState, second: InitialState) -> InitialState:
-    """Row by row ``first`` where ``choose_first`` (n,) bool, else ``second``."""
-    return InitialState(
-        **{name: select(choose_first, value, getattr(second, name)) for name, value in vars(first).items()}
     )

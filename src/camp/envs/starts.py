@@ -56,17 +56,16 @@ def draw_starts(
     init, num = config.initialization, len(skill)
     reference = references.sample(skill, generator)
     at_reference = uniform((0.0, 1.0), (num,), generator) < init.reference_fraction
-    initial = initialization.merge(
-        at_reference, initialization.from_reference(reference), initialization.standing(robot, num, init, generator)
-    )
+    standing = initialization.standing(robot, num, init, generator)
+    initial = standing.replaced(at_reference, initialization.from_reference(reference))
     command = sample_commands(num, config.command, generator)
     target = reference.joint_target_applied_previous
     row = at_reference[:, None]
     # Measured, not read: a clip's own last state may differ in the last digit. Who stands has stood before.
     measurement, stance = measure(robot, initial.robot_state()), None
     if config.foot_stance:
-        standing = (foot_height(robot, measurement) < TOUCHING_M).float()
-        stance = torch.where(row, reference.amp_history[:, -1, AMP_STATE_SIZE:], standing)
+        touching = (foot_height(robot, measurement) < TOUCHING_M).float()
+        stance = torch.where(row, reference.amp_history[:, -1, AMP_STATE_SIZE:], touching)
     present = discriminator_state(measurement, stance)[:, None]
     past = torch.where(row[..., None], reference.amp_history, present)
     # A robot set into a clip goes on with the clip's command, and remembers the clip's last target.

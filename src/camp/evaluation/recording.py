@@ -15,7 +15,7 @@ from camp.evaluation.rollout import Trace
 from camp.metrics.contact import debounced
 from camp.metrics.criteria import ContactLog
 from camp.robots.quadruped import NUM_LEGS
-from camp.sim.base import RobotState
+from camp.sim.base import InitialState, RobotState
 from camp.sim.motors import MotorLaw
 
 Floats = NDArray[np.floating]
@@ -127,5 +127,4 @@ def _states(qpos: Floats, qvel: Floats) -> RobotState:
     """All moments of all robots, one after the other; no force has a part in what is read."""
     position = torch.from_numpy(qpos.reshape(-1, qpos.shape[-1]))
     velocity = torch.from_numpy(qvel.reshape(-1, qvel.shape[-1]))
-    sensors = torch.zeros(len(position), 3 * (2 * NUM_LEGS + 1))
-    return RobotState.from_model(position, velocity, sensors, foot_stance=sensors[:, :NUM_LEGS])
+    return InitialState.from_model(position, velocity).robot_state()

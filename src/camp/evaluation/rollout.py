@@ -105,8 +105,7 @@ class _Notes:
 
     def _state(self, row: int, state: RobotState) -> None:
         self.qpos[:, row] = state.qpos()
-        velocity = (state.base_linear_velocity, state.base_angular_velocity, state.joint_velocity)
-        self.qvel[:, row] = torch.cat(velocity, dim=1)
+        self.qvel[:, row] = state.qvel()
 
     def take(self, step: int, target: Tensor, sim: CpuSimulator, fell: Tensor) -> None:
         self.upright = np.where(fell.numpy(), np.minimum(self.upright, step), self.upright)

@@ -17,7 +17,7 @@ from camp.evaluation.contract import CommandRange
 from camp.gaits.skills import Skill
 from camp.motion.clips.sampler import ReferenceStates
 from camp.robots.robot import Robot
-from camp.sim.base import InitialState
+from camp.sim.base import InitialState, select
 
 
 @dataclass
@@ -83,12 +83,8 @@ def walk_starts(
     moving = Starts(initialization.from_reference(frame), frame.joint_target_applied_previous)
     still = standing_starts(robot, num, config.standing_scale, stream)
     stands = torch.rand(num, generator=stream) < config.standing_fraction
-    tensors = {
-        name: torch.where(stands.view(-1, *(1,) * (value.dim() - 1)), value, moving.tensors()[name])
-        for name, value in still.tensors().items()
-    }
-    target = tensors.pop("joint_target")
-    return Starts(InitialState(**tensors), target)
+    initial = moving.initial.replaced(stands, still.initial)
+    return Starts(initial, select(stands, still.joint_target, moving.joint_target))
 
 
 def _others(skill: Skill, skills: Sequence[Skill]) -> list[int]:

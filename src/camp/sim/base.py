@@ -16,71 +16,26 @@ NUM_FELT_BODIES = 1 + NUM_LEGS  # base and thighs, whose ground reactions the mo
 
 
 @dataclass
-class RobotState:
-    """The state of N robots after a control step, float32 on the simulator's device.
+class InitialState:
+    """Where n robots start, float32; joint targets start at the joint positions.
 
     Legs in the order of ``FOOT_NAMES``, joints in that of ``JOINT_NAMES``.
     """
 
-    base_position: Tensor  # (N, 3) m, world frame
-    base_quaternion: Tensor  # (N, 4) w first, base to world
-    base_linear_velocity: Tensor  # (N, 3) m/s, world frame
-    base_angular_velocity: Tensor  # (N, 3) rad/s, base frame
-    joint_position: Tensor  # (N, 12) rad
-    joint_velocity: Tensor  # (N, 12) rad/s
-    foot_force: Tensor  # (N, 4, 3) N, ground on foot, world frame
-    body_force: Tensor  # (N, 5, 3) N, ground on base and the four thighs, world frame
-    foot_stance: Tensor  # (N, 4) fraction of the control step's physics steps in which the foot carried load
-
-    @classmethod
-    def from_model(cls, qpos: Tensor, qvel: Tensor, sensordata: Tensor, foot_stance: Tensor) -> Self:
-        """Views of what the model holds: (N, 19) positions, (N, 18) velocities, (N, 27) contact sensors; and of
-        ``foot_stance``."""
-        # The sensors give the force of the first geom on the second; the reaction acts on the robot.
-        force = -sensordata.unflatten(1, (-1, 3))
-        return cls(
-            base_position=qpos[:, 0:3],
-            base_quaternion=qpos[:, 3:7],
-            base_linear_velocity=qvel[:, 0:3],
-            base_angular_velocity=qvel[:, 3:6],
-            joint_position=qpos[:, 7:],
-            joint_velocity=qvel[:, 6:],
-            foot_force=force[:, :NUM_LEGS],
-            body_force=force[:, NUM_LEGS:],
-            foot_stance=foot_stance,
-        )
-
-    def qpos(self) -> Tensor:
-        """(N, 19) MuJoCo's generalized position: base position, base quaternion, joint positions."""
-        return torch.cat([self.base_position, self.base_quaternion, self.joint_position], dim=1)
-
-    def qvel(self) -> Tensor:
-        """(N, 18) MuJoCo's generalized velocity: linear and angular velocity of the base, joint velocities."""
-        return torch.cat([self.base_linear_velocity, self.base_angular_velocity, self.joint_velocity], dim=1)
-
-    def replaced(self, mask: Tensor, other: Self) -> Self:
-        """Row by row ``other`` where ``mask`` (N,) bool holds, else these."""
-        return type(self)(**{name: select(mask, getattr(other, name), mine) for name, mine in vars(self).items()})
-
-
-@dataclass
-class InitialState:
-    """Where n robots start, float32; joint targets start at the joint positions."""
-
     base_position: Tensor  # (n, 3) m, world frame
-    base_quaternion: Tensor  # (n, 4) w first
+    base_quaternion: Tensor  # (n, 4) w first, base to world
     base_linear_velocity: Tensor  # (n, 3) m/s, world frame
     base_angular_velocity: Tensor  # (n, 3) rad/s, base frame
     joint_position: Tensor  # (n, 12) rad
     joint_velocity: Tensor  # (n, 12) rad/s
 
     @classmethod
-    def from_model(cls, qpos: Tensor, qvel: Tensor) -> Self:
+    def from_model(cls, qpos: Tensor, qvel: Tensor) -> InitialState:
         """Views of MuJoCo's generalized positions (n, 19) and velocities (n, 18)."""
-        return cls(qpos[:, 0:3], qpos[:, 3:7], qvel[:, 0:3], qvel[:, 3:6], qpos[:, 7:], qvel[:, 6:])
+        return InitialState(qpos[:, 0:3], qpos[:, 3:7], qvel[:, 0:3], qvel[:, 3:6], qpos[:, 7:], qvel[:, 6:])
 
     @classmethod
-    def standing(cls, model: mujoco.MjModel, num: int, device: torch.device) -> Self:
+    def standing(cls, model: mujoco.MjModel, num: int, device: torch.device) -> InitialState:
         """``num`` robots at rest in the model's keyframe "stand"."""
         qpos = torch.tensor(model.key("stand").qpos, dtype=torch.float32, device=device).expand(num, -1)
         return cls.from_model(qpos, torch.zeros(num, model.nv, device=device))
@@ -93,6 +48,10 @@ class InitialState:
         """(n, 18) MuJoCo's generalized velocity: linear and angular velocity of the base, joint velocities."""
         return torch.cat([self.base_linear_velocity, self.base_angular_velocity, self.joint_velocity], dim=1)
 
+    def replaced(self, mask: Tensor, other: Self) -> Self:
+        """Row by row ``other`` where ``mask`` (n,) bool holds, else these."""
+        return type(self)(**{name: select(mask, getattr(other, name), mine) for name, mine in vars(self).items()})
+
     def robot_state(self) -> RobotState:
         """What a simulator reports right after a reset into this state: no force has been felt yet."""
         num, device = len(self.base_position), self.base_position.device
@@ -102,6 +61,24 @@ class InitialState:
             body_force=torch.zeros(num, NUM_FELT_BODIES, 3, device=device),
             foot_stance=torch.zeros(num, NUM_LEGS, device=device),
         )
+
+
+@dataclass
+class RobotState(InitialState):
+    """The state of n robots after a control step, float32 on the simulator's device."""
+
+    foot_force: Tensor  # (n, 4, 3) N, ground on foot, world frame
+    body_force: Tensor  # (n, 5, 3) N, ground on base and the four thighs, world frame
+    foot_stance: Tensor  # (n, 4) fraction of the control step's physics steps in which the foot carried load
+
+    @classmethod
+    def measured(cls, qpos: Tensor, qvel: Tensor, sensordata: Tensor, foot_stance: Tensor) -> RobotState:
+        """Views of what the model holds: (n, 19) positions, (n, 18) velocities, (n, 27) contact sensors; and of
+        ``foot_stance``."""
+        # The sensors give the force of the first geom on the second; the reaction acts on the robot.
+        force = -sensordata.unflatten(1, (-1, 3))
+        placed = vars(InitialState.from_model(qpos, qvel))
+        return cls(**placed, foot_force=force[:, :NUM_LEGS], body_force=force[:, NUM_LEGS:], foot_stance=foot_stance)
 
 
 # Bodies whose mass "link mass" randomization scales: the trunk and the three links of each leg.

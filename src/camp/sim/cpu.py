@@ -60,7 +60,7 @@ class CpuSimulator:
     def state(self) -> RobotState:
         qpos = torch.from_numpy(self._rows["qpos"].astype(np.float32))
         qvel = torch.from_numpy(self._rows["qvel"].astype(np.float32))
-        return RobotState.from_model(qpos, qvel, torch.from_numpy(self._forces.copy()), self._foot_stance())
+        return RobotState.measured(qpos, qvel, torch.from_numpy(self._forces.copy()), self._foot_stance())
 
     def step(self, joint_target: Tensor) -> None:
         self._delays.send(joint_target)

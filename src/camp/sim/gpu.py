@@ -90,7 +90,7 @@ class GpuSimulator:
 
     @property
     def state(self) -> RobotState:
-        return RobotState.from_model(
+        return RobotState.measured(
             self._qpos.clone(), self._qvel.clone(), self._sensordata, self._loaded / self._substeps
         )
 
