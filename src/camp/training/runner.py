@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from camp.build import Training
 from camp.common import distributed
 from camp.common.averages import Averages
 from camp.common.seeding import generator_state, global_state, restore_generator, restore_global_state
+from camp.common.stopwatch import Stopwatch
 from camp.config.schema import Config
 from camp.data import Rollout
 from camp.envs.rewards import mix_rewards
@@ -90,58 +90,28 @@ class Runner:
 
     def iterate(self) -> dict[str, Metric]:
         """One iteration of the algorithm; returns its metrics."""
-        training, run = self.training, self.config.run
-        started = time.perf_counter()
+        training, run, watch = self.training, self.config.run, Stopwatch()
         rollout, metrics = self.collector.collect(run.rollout_steps, training.generators["policy"])
-        collected = time.perf_counter()
-
+        watch.lap("collect")
         terms = self._score(rollout)
-        weights = {"task": self.config.algo.task_weight} | {prior.name: prior.weight for prior in training.priors}
-        reward = mix_rewards(terms, weights)
-        ppo = self.config.algo.ppo
-        advantage, return_ = gae(
-            reward,
-            rollout.value,
-            rollout.next_value,
-            rollout.terminated,
-            rollout.truncated,
-            ppo.gamma,
-            ppo.gae_lambda,
-        )
-        scored = time.perf_counter()
-
-        training.ppo.desired_kl = desired_kl_at(self.iteration / run.iterations, ppo)
-        minibatches = training.generators["minibatches"]
-        if self.iteration < run.critic_warmup:
-            metrics |= training.ppo.update_critic(rollout, return_, minibatches)
-        else:
-            metrics |= training.ppo.update(rollout, advantage, return_, minibatches)
-        policy_updated = time.perf_counter()
-
+        advantage, return_ = self._advantage(terms, rollout)
+        watch.lap("score")
+        metrics |= self._update_policy(rollout, advantage, return_)
+        watch.lap("policy_update")
         for prior in training.priors:
             metrics |= prior.update(rollout.transitions(), training.demonstrations, training.generators["priors"])
-        finished = time.perf_counter()
+        watch.lap("prior_update")
 
         self.iteration += 1
         metrics |= self._reward_metrics(terms, rollout)
-        weights |= {name: weights["task"] * weight for name, weight in self.config.env.reward.weights().items()}
-        metrics |= {f"reward/{name}/weighted": weights[name] * metrics[f"reward/{name}/raw"] for name in weights}
+        metrics |= self._weighted(metrics)
         metrics["env/diverged"] = float(distributed.total(torch.tensor(metrics["env/diverged"])))
         metrics |= self.alarms.update(metrics)
-        metrics["env/difficulty"] = training.env.difficulty
-        if self.skill_curriculum is not None:
-            metrics |= self.skill_curriculum.update(rollout)
         readings = self._readings(rollout) if self.iteration % run.gait_every == 0 else {}
-        hardening = self.config.env.hardening
-        training.env.difficulty = next_difficulty(
-            training.env.difficulty, metrics | readings, hardening, training.env.num_skills
-        )
-        metrics["time/collect_s"] = collected - started
-        metrics["time/score_s"] = scored - collected
-        metrics["time/policy_update_s"] = policy_updated - scored
-        metrics["time/prior_update_s"] = finished - policy_updated
+        metrics |= self._move_curricula(rollout, metrics | readings)
         steps = distributed.size() * rollout.skill.numel()
-        metrics["time/steps_per_s"] = steps / (time.perf_counter() - started)
+        metrics |= {f"time/{part}_s": seconds for part, seconds in watch.parts.items()}
+        metrics["time/steps_per_s"] = steps / watch.total
         metrics["steps"] = float(self.iteration * steps)
         return metrics | readings
 
@@ -216,15 +186,47 @@ class Runner:
             terms[prior.name] = prior.reward(rollout.transitions()).view_as(rollout.task_reward)
         return terms
 
+    def _weights(self) -> dict[str, float]:
+        """Of the terms in eq. (2)."""
+        return {"task": self.config.algo.task_weight} | {prior.name: prior.weight for prior in self.training.priors}
+
+    def _advantage(self, terms: dict[str, Tensor], rollout: Rollout) -> tuple[Tensor, Tensor]:
+        """Advantages and returns, each (T, N), of the weighted terms."""
+        ppo = self.config.algo.ppo
+        return gae(
+            mix_rewards(terms, self._weights()),
+            rollout.value,
+            rollout.next_value,
+            rollout.terminated,
+            rollout.truncated,
+            ppo.gamma,
+            ppo.gae_lambda,
+        )
+
+    def _update_policy(self, rollout: Rollout, advantage: Tensor, return_: Tensor) -> dict[str, float]:
+        """Actor and critic, or the critic alone while it warms up; returns metrics."""
+        ppo, run, minibatches = self.training.ppo, self.config.run, self.training.generators["minibatches"]
+        ppo.desired_kl = desired_kl_at(self.iteration / run.iterations, self.config.algo.ppo)
+        if self.iteration < run.critic_warmup:
+            return ppo.update_critic(rollout, return_, minibatches)
+        return ppo.update(rollout, advantage, return_, minibatches)
+
+    def _move_curricula(self, rollout: Rollout, metrics: Mapping[str, Metric]) -> dict[str, float]:
+        """Skills and conditions of the next iteration, by what this one showed; returns metrics of this one."""
+        env = self.training.env
+        moved = {"env/difficulty": env.difficulty}
+        if self.skill_curriculum is not None:
+            moved |= self.skill_curriculum.update(rollout)
+        env.difficulty = next_difficulty(env.difficulty, metrics, self.config.env.hardening, env.num_skills)
+        return moved
+
     def _readings(self, rollout: Rollout) -> dict[str, Metric]:
         """What is too dear for every iteration: gaits from foot contacts, and how the priors' answers are spread."""
         training = self.training
         readings: dict[str, Metric] = {**self.monitor.read()}
         for prior in training.priors:
             if isinstance(prior, WithHistograms):
-                generator = training.generators[
-                    "readings"
-                ]  # its own: how often one looks must not change what is learned
+                generator = training.generators["readings"]  # its own: looking must not change what is learned
                 readings |= prior.histograms(rollout.transitions(), training.demonstrations, generator)
         return readings
 
@@ -235,3 +237,9 @@ class Runner:
             averages.add(f"reward/{name}/raw", term)
             averages.add_per_skill(f"reward/{name}/raw", term.flatten(), skill, names(self.config.motion.skill_set()))
         return averages.result()
+
+    def _weighted(self, metrics: dict[str, float]) -> dict[str, float]:
+        """What every term, those of the task among them, adds to the reward of eq. (2)."""
+        weights = self._weights()
+        weights |= {name: weights["task"] * weight for name, weight in self.config.env.reward.weights().items()}
+        return {f"reward/{name}/weighted": weight * metrics[f"reward/{name}/raw"] for name, weight in weights.items()}
