@@ -29,8 +29,7 @@ def foreign_file(
     """Turn whatever reading raises into one `error`: "`what` (the reason); `remedy`".
 
     Lists of exceptions miss some: parsers of damaged files raise RecursionError, OverflowError, MemoryError and their
-    own. Keep what stands inside to the reading itself. Files of more than
-    `largest` bytes are refused unread.
+    own. Keep what stands inside to the reading itself. Files of more than `largest` bytes are refused unread.
     """
     try:
         size = path.stat().st_size

@@ -41,9 +41,7 @@ class RunConfig:
     checkpoint_every: Iterations = MISSING  # iterations
     checkpoints_kept: Iterations = MISSING
     gait_window_s: GaitWindow = MISSING  # of foot contacts that a live gait reading looks at
-    gait_every: Iterations = (
-        MISSING  # iterations between live readings of gaits and of the style discriminator's logits
-    )
+    gait_every: Iterations = MISSING  # iterations between live readings of gaits and of the logits of D
 
 
 @dataclass

@@ -40,7 +40,7 @@ class Exported:
 
 
 class JointTargets(nn.Module):
-    """The deterministic policy in the robot's units: raw observation (N, 45 + K) -> joint target (N, 12) in rad."""
+    """The deterministic policy in the robot's units: raw observation (N, O) -> joint target (N, 12) in rad."""
 
     default_pose: Tensor
 

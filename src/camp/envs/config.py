@@ -196,7 +196,10 @@ class EpisodeGrowthConfig:
 
 @dataclass
 class HardeningConfig:
-    """A curriculum: noise, randomization and pushes begin weak and grow while the gaits hold (`camp.hardening`)."""
+    """A curriculum: noise, randomization and pushes begin weak and grow while the gaits hold.
+
+    See `camp.training.hardening`.
+    """
 
     initial: Fraction | None = None  # difficulty in [0, 1] at the start; null: all of it from the start
     step: Fraction = 0.05  # of the difficulty, at one reading of the gaits (run.gait_every)

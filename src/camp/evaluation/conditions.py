@@ -42,7 +42,7 @@ class Condition:
     values: dict[str, float]  # keys of DYNAMICS_KEYS
     noise: float = 0.0  # times the suite's sensor noise
     push_m_s: float = 0.0  # sudden change of the base's horizontal velocity
-    loss: float = 0.0  # fraction of the joint targets that never do: the motors go on with the one before
+    loss: float = 0.0  # fraction of the joint targets that never arrive: the motors go on with the one before
 
     @classmethod
     def of(cls, entry: dict[str, Any]) -> Self:

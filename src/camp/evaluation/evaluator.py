@@ -44,7 +44,7 @@ class Judgement:
 
 @dataclass
 class Subject:
-    """Who is judged. controllers: one anew for each part of the evaluation; the rest as in `Report`."""
+    """Who is judged. controller: makes one anew for each part of the evaluation; the rest as in `Report`."""
 
     name: str
     contract: Contract

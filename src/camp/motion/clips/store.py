@@ -1,8 +1,6 @@
-"""The clip format: one expert motion per .npz file, and everything a loaded file must satisfy.
+"""The clip format: one expert motion (`camp.motion.clips.clip`) per .npz file, and everything a loaded file must satisfy.
 
-Legs are FL, FR, RL, RR and joints hip, thigh, calf of each leg; quaternions have w first; T control steps.
-Row t holds the state in which `joint_target[t]` was given. Files without the keys that have a default
-(older ones) are read as well.
+Files without the keys that have a default (older ones) are read as well.
 """
 
 from __future__ import annotations
