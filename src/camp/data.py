@@ -1,8 +1,8 @@
 """The batches that environment, algorithm and demonstrations exchange, with the shape of every tensor.
 
-Letters: N environments, T time steps, B batch, F states judged together (2 in the paper), S AMP state (43, or 47
-with env.foot_stance), O observation (45 + K, times env.observation.history), X privileged observation, A actions (12), K skills. Units are SI unless
-a field says otherwise.
+Letters: N environments, T time steps, B batch, F states judged together (2 in the paper), S AMP state (43, or 47 with
+env.foot_stance), O observation (45 + K, times env.observation.history), X privileged observation, A actions (12), K
+skills. Units are SI unless a field says otherwise.
 """
 
 from __future__ import annotations

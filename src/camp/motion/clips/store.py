@@ -1,4 +1,4 @@
-"""The clip format: one expert motion (`camp.motion.clips.clip`) per .npz file, and everything a loaded file must satisfy.
+"""The clip format: one expert motion per .npz file, and everything that a loaded file must satisfy.
 
 Files without the keys that have a default (older ones) are read as well.
 """
