@@ -83,7 +83,7 @@ def draw_measures(result: StudyResult) -> Figure:
     known = measures(result)
     limits = {GAITS_SHOWN: result.thresholds.distinct_gaits, INFORMATION: result.thresholds.information_bits}
     with style():
-        figure = new_figure((PAGE, 2.6))
+        figure = new_figure((PAGE, 0.9 + 0.21 * len(result.arms)))
         axes = figure.subplots(1, len(known), sharey=True)
         for axis, (name, measure) in zip(axes, known.items(), strict=True):
             for place, arm in enumerate(result.arms):
@@ -92,7 +92,8 @@ def draw_measures(result: StudyResult) -> Figure:
                 axis.axvline(limits[name], color=GREY, linewidth=0.8, linestyle=(0, (3, 2)))
             axis.xaxis.set_major_locator(MaxNLocator(3, integer=name == GAITS_SHOWN))
             axis.set_xlabel(name.replace(" (", "\n("), fontsize=7.5)
-            axis.set_xlim(left=min(0.0, axis.get_xlim()[0]))
+            greatest = max(axis.dataLim.x1, 0.1)  # no measure is negative
+            axis.set_xlim(-0.04 * greatest, 1.04 * greatest)
             axis.grid(axis="x", color=GRID, linewidth=0.5)
             axis.set_axisbelow(True)
             axis.tick_params(labelsize=7)
