@@ -104,8 +104,8 @@ transfer: setup ## walk in four physics engines: the table of engines, outputs/t
 
 # From a fresh clone, without a run of one's own, those of the shipped policy.
 figures: setup ## draw the figures of RUNS (default: the latest run), PDF and PNG, and of the studies' results
-	@for run in $(if $(wildcard $(RUNS)),$(RUNS),$(if $(filter outputs/latest,$(RUNS)),$(POLICY),$(RUNS))); do \
-		"$(BIN)/python" -m analysis run="$$run" $(ARGS) || exit; done
+	@code=0; for run in $(if $(wildcard $(RUNS)),$(RUNS),$(if $(filter outputs/latest,$(RUNS)),$(POLICY),$(RUNS))); do \
+		"$(BIN)/python" -m analysis run="$$run" $(ARGS) || code=$$?; done; exit $$code
 
 ablations: setup ## run STUDY with Hydra's LAUNCHER, or go on with it, and write ablations/results/
 	"$(BIN)/python" -m analysis.ablations "$(STUDY)" hydra/launcher="$(LAUNCHER)" $(ARGS)

@@ -22,7 +22,6 @@ ARMS: dict[str, Arm] = {
     "amp_baseline": Arm("AMP baseline", (False, False)),
     "task_only": Arm("task reward alone"),
     "with_mismatch": Arm("full, with mismatch"),
-    "as_imitated": Arm("as imitated"),
 }
 
 
