@@ -85,7 +85,8 @@ check: setup ## format, mend what ruff can mend, then lint, check types and run 
 
 train: setup ## train with the 30-minute preset, evaluate the run, draw its figures
 	"$(BIN)/python" -m camp.train $(ARGS)
-	@$(MAKE) --no-print-directory evaluate figures RUN="$$(readlink -f outputs/latest)" ARGS=
+	@run="$$(readlink -f outputs/latest)"; $(MAKE) --no-print-directory evaluate RUN="$$run" ARGS= && \
+		$(MAKE) --no-print-directory figures RUNS="$$run" ARGS=wandb=auto
 
 evaluate: setup ## evaluate RUN: table, eval.json, eval.npz, videos
 	"$(BIN)/python" -m camp.evaluate run="$(RUN)" $(ARGS)

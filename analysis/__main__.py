@@ -1,10 +1,10 @@
-"""`python -m analysis [run=<folder>] [only=<figure>,...] [wandb=<true or false>]`: draw all figures of a run.
+"""`python -m analysis [run=<folder>] [only=<figure>,...] [wandb=<true, false or auto>]`: draw all figures of a run.
 
 Each is a PDF and a PNG in <folder>/figures. Those of a shipped policy go into outputs/<its name>/figures. Without `run`
 the newest evaluated run below outputs/ is taken. What lacks its input is left out, and a line says which command makes
 it; the others are drawn. `only` draws some: data_flow, training, confusion, robustness, film_strip, contacts, joints,
 clusters, dtw, dtw_expert, incentive, incentive_margins, skill_cost, or ablations (figures and Table IV of studies in
-ablations/results). `wandb=true` logs them in the run's W&B run as well.
+ablations/results). `wandb=true` logs them in the run's W&B run as well, `wandb=auto` where it has one.
 """
 
 from __future__ import annotations
@@ -96,11 +96,10 @@ def _write_tables(study, target: Path) -> list[Path]:
 
 def draw_figures(arguments: Sequence[str]) -> None:
     """Draw the figures, a line for each. Raises CampError where none can be drawn."""
-    names, logged = chosen(arguments), wandb_asked(arguments)
+    names, wandb = chosen(arguments), wandb_wanted(arguments)
     folder = run_folder([one for one in arguments if not one.startswith(("only=", "wandb="))])
     sources = Sources(folder)
-    if logged:
-        check_wandb(sources)
+    logged = wandb != "false" and has_wandb(sources, wandb == "true")
     target = make_folder(figures_folder(folder))
     drawn: list[Path] = []
     last = None
@@ -123,22 +122,24 @@ def draw_figures(arguments: Sequence[str]) -> None:
         print(f"{len(pictures)} figures are in the W&B run of {folder}")
 
 
-def wandb_asked(arguments: Sequence[str]) -> bool:
-    """Whether wandb=true is given. Raises AnalysisError for another value."""
-    values = [one.removeprefix("wandb=") for one in arguments if one.startswith("wandb=")]
-    if values not in ([], ["true"], ["false"]):
-        raise load.AnalysisError(f"wandb={values[0]}: give true or false, once")
-    return values == ["true"]
+def wandb_wanted(arguments: Sequence[str]) -> str:
+    """The value of wandb=, or "false". Raises AnalysisError for another one than true, false and auto."""
+    values = [one.removeprefix("wandb=") for one in arguments if one.startswith("wandb=")] or ["false"]
+    if len(values) > 1 or values[0] not in ("true", "false", "auto"):
+        raise load.AnalysisError(f"wandb={values[0]}: give true, false or auto, once")
+    return values[0]
 
 
-def check_wandb(sources: Sources) -> None:
-    """Raise AnalysisError where the run has no W&B run that could be gone on with."""
+def has_wandb(sources: Sources, needed: bool) -> bool:
+    """Whether the run has a W&B run that could be gone on with. Raises AnalysisError where it is needed and is not."""
+    reason = None
     if results_folder(sources.folder) != sources.folder:
-        raise load.AnalysisError(
-            f"wandb=true: {sources.folder} is a shipped policy, which has no W&B run; leave it out"
-        )
-    if sources.run.config.logger.wandb_mode == "disabled":
-        raise load.AnalysisError(f"wandb=true: {sources.folder} was trained without a W&B run; leave it out")
+        reason = "is a shipped policy, which has no W&B run"
+    elif sources.run.config.logger.wandb_mode == "disabled":
+        reason = "was trained without a W&B run"
+    if reason and needed:
+        raise load.AnalysisError(f"wandb=true: {sources.folder} {reason}; leave it out")
+    return reason is None
 
 
 def main(arguments: list[str]) -> int:

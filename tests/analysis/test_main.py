@@ -67,9 +67,11 @@ def test_figures_go_into_the_runs_own_wandb_run(tmp_path, monkeypatch, capsys):
     run = small_run(tmp_path / "run", [])
     assert command.main([f"run={run}", "only=training", "wandb=true"]) == 2  # trained with wandb_mode=disabled
     assert "trained without a W&B run" in capsys.readouterr().err
+    assert command.main([f"run={run}", "only=training", "wandb=auto"]) == 0
+    assert "W&B" not in capsys.readouterr().out
     config = run / "config.yaml"
     config.write_text(config.read_text().replace("wandb_mode: disabled", "wandb_mode: offline"))
-    assert command.main([f"run={run}", "only=training", "wandb=true"]) == 0
+    assert command.main([f"run={run}", "only=training", "wandb=auto"]) == 0
     assert "1 figures are in the W&B run" in capsys.readouterr().out
     (picture,) = (run / "wandb").glob("offline-run-*/files/media/images/figures/training_*.png")
     assert picture.read_bytes() == (run / "figures" / "training.png").read_bytes()
