@@ -76,7 +76,7 @@ def test_figures_go_into_the_runs_own_wandb_run(tmp_path, monkeypatch, capsys):
     (picture,) = (run / "wandb").glob("offline-run-*/files/media/images/figures/training_*.png")
     assert picture.read_bytes() == (run / "figures" / "training.png").read_bytes()
     assert command.main([f"run={run}", "wandb=yes"]) == 2
-    assert "give true or false" in capsys.readouterr().err
+    assert "give true, false or auto" in capsys.readouterr().err
 
 
 def test_nothing_drawn_is_an_error(folder, capsys):
