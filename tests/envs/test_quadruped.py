@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -55,6 +56,19 @@ def test_an_episode_begins_without_the_history_of_the_one_before(config, clips):
     step = env.advance(ZERO, give_up=torch.ones(8, dtype=torch.bool))
     assert torch.equal(step.observation[:, :49], step.observation[:, 49:])
     assert not torch.equal(step.final_observation[:, :49], step.final_observation[:, 49:])
+
+
+def test_a_late_robot_set_into_a_clip_goes_on_with_the_clips_target(config, clips):
+    config.env.initialization.reference_fraction = 1.0
+    nominal, reached = Dynamics.nominal(8, 0.8, torch.device("cpu")), {}
+    for delay in (0.0, 0.02):
+        env = make(config, clips)
+        dynamics = replace(nominal, delay=torch.full((8,), delay))
+        env.reset(seed=0, options={"stagger": False, "dynamics": dynamics})
+        held = (env._pool.starts.joint_target - env.default_pose) / env.action_scale
+        env.advance(held if delay == 0.0 else ZERO)
+        reached[delay] = env.sim.state.qpos()
+    assert torch.equal(reached[0.0], reached[0.02])
 
 
 def test_skill_count_sets_the_observation(config, clips):
@@ -126,7 +140,7 @@ def test_an_old_state_continues(config, clips):
     state["amp_state"] = state.pop("amp_history")[:, -1]
     state["starts"] = {name: value for name, value in state["starts"].items() if name != "amp_history"}
     del state["num_steps"], state["difficulty"]
-    state["starts_sight"] = state.pop("starts_observed") | {"amp_state": straight._starts.amp_history[:, -1]}
+    state["starts_sight"] = state.pop("starts_observed") | {"amp_state": straight._pool.starts.amp_history[:, -1]}
     resumed.load_state_dict(state)
     for _ in range(25):
         assert torch.equal(straight.advance(ZERO).transition, resumed.advance(ZERO).transition)

@@ -65,6 +65,15 @@ def test_a_robot_without_delay_does_not_notice_those_with_one():
     assert not torch.allclose(among.state.qpos()[0], among.state.qpos()[1], atol=1e-3)
 
 
+def test_motors_go_on_with_what_they_held_until_the_first_target_arrives():
+    late, prompt = make([0.02]), make([0.0])
+    held, start = POSE + 0.2, late.state
+    late.reset(torch.tensor([True]), start, held[None])
+    late.step(POSE[None] - 0.5)
+    prompt.step(held[None])
+    assert torch.equal(late.state.qpos(), prompt.state.qpos())
+
+
 def test_targets_under_way_are_part_of_the_state():
     targets = POSE + 0.2 * torch.randn(12, 3, 12, generator=torch.Generator().manual_seed(1))
     straight, resumed = make([0.0, 0.01, 0.03]), make([0.0, 0.0, 0.0])

@@ -260,7 +260,7 @@ class QuadrupedEnv(VectorEnv):
     def _begin(self, mask: Tensor) -> None:
         """Begin an episode with the robots of ``mask`` (N,) bool."""
         starts, observed, action = self._pool.starts, self._pool.observed, self._pool.action
-        self.sim.reset(mask, starts.initial)
+        self.sim.reset(mask, starts.initial, starts.joint_target)
         self.dynamics = self.dynamics.replaced(mask, starts.dynamics)
         self.step_count = self.step_count.masked_fill(mask, 0)
         self.skill = select(mask, starts.skill, self.skill)

@@ -66,8 +66,7 @@ def roll_out(jobs: Sequence[tuple[Plan, Controller]], setting: Setting, track: T
     num, steps = len(whole), whole.steps
     sim = CpuSimulator(setting.robot, num, setting.period_s, setting.timestep_s, setting.threads)
     sim.prepare(whole.dynamics)
-    sim.reset(torch.ones(num, dtype=torch.bool), whole.starts.initial)
-    sim.hold_before(whole.starts.joint_target)
+    sim.reset(torch.ones(num, dtype=torch.bool), whole.starts.initial, whole.starts.joint_target)
     for rows, _, controller, _ in groups:
         controller.start(whole.starts.joint_target[rows])
     notes = _Notes(num, steps, sim)

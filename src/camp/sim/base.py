@@ -17,7 +17,7 @@ NUM_FELT_BODIES = 1 + NUM_LEGS  # base and thighs, whose ground reactions the mo
 
 @dataclass
 class InitialState:
-    """Where n robots start, float32; joint targets start at the joint positions.
+    """Where n robots start, float32.
 
     Legs in the order of ``FOOT_NAMES``, joints in that of ``JOINT_NAMES``.
     """
@@ -165,9 +165,13 @@ class Simulator(Protocol):
         """The physical parameters that each of the N robots takes on when it is next reset."""
         ...
 
-    def reset(self, mask: Tensor, initial: InitialState) -> None:
+    def reset(self, mask: Tensor, initial: InitialState, held: Tensor | None = None) -> None:
         """Put the robots of ``mask`` (N,) bool into their rows of ``initial`` (of all N), with the physical
-        parameters prepared for them; the others are untouched."""
+        parameters prepared for them; the others are untouched.
+
+        held: (N, 12) rad, the joint targets that the motors go on with until the first one arrives, where it is late;
+        None: the joint positions.
+        """
         ...
 
     def push(self, velocity_change: Tensor) -> None:

@@ -75,7 +75,7 @@ class CpuSimulator:
     def prepare(self, dynamics: Dynamics) -> None:
         self._prepared = dynamics
 
-    def reset(self, mask: Tensor, initial: InitialState) -> None:
+    def reset(self, mask: Tensor, initial: InitialState, held: Tensor | None = None) -> None:
         ids = mask.nonzero().squeeze(1).numpy()
         if len(ids) == 0:
             return
@@ -86,12 +86,8 @@ class CpuSimulator:
         self._rows["ctrl"][ids] = initial.joint_position.numpy(force=True)[ids]
         self._forces[ids] = 0.0
         self.contact[ids] = False
-        self._delays.restart(mask, initial.joint_position, self._prepared.delay)
+        self._delays.restart(mask, initial.joint_position if held is None else held, self._prepared.delay)
         self._no_delay = self._delays.idle()
-
-    def hold_before(self, joint_target: Tensor) -> None:
-        """What the robots' motors held until now, (N, 12) rad: delayed robots go on with it."""
-        self._delays.hold(joint_target)
 
     def push(self, velocity_change: Tensor) -> None:
         self._rows["qvel"][:, 0:3] += velocity_change.numpy(force=True)

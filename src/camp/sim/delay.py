@@ -30,10 +30,6 @@ class DelayLine:
         self._late = torch.zeros(num_envs, dtype=torch.int64, device=device)  # physics steps
         self._robots = torch.arange(num_envs, device=device)
 
-    def hold(self, joint_target: Tensor) -> None:
-        """What the motors of all robots have held until now, (N, 12) rad."""
-        self._sent = joint_target.to(self._sent).expand_as(self._sent).clone()
-
     def restart(self, mask: Tensor, joint_target: Tensor, delay: Tensor) -> None:
         """Give the robots of ``mask`` (N,) bool new delays (N,) in s, at most ``LONGEST_DELAY``, and motors that have
         held ``joint_target`` (N, 12) rad."""

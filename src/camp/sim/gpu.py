@@ -107,7 +107,7 @@ class GpuSimulator:
         self._next_dynamics.prepare(dynamics)
         self._next_delay = dynamics.delay
 
-    def reset(self, mask: Tensor, initial: InitialState) -> None:
+    def reset(self, mask: Tensor, initial: InitialState, held: Tensor | None = None) -> None:
         for name, prepared in self._next_dynamics.fields.items():
             _replace(self._dynamics[name], mask, prepared)
         _replace(self._qpos, mask, initial.qpos())
@@ -116,7 +116,7 @@ class GpuSimulator:
         self._acceleration.masked_fill_(mask[:, None], 0.0)
         self._sensordata.masked_fill_(mask[:, None], 0.0)
         self._loaded.masked_fill_(mask[:, None], 0.0)
-        self._delays.restart(mask, initial.joint_position, self._next_delay)
+        self._delays.restart(mask, initial.joint_position if held is None else held, self._next_delay)
 
     def push(self, velocity_change: Tensor) -> None:
         self._qvel[:, 0:3] += velocity_change
