@@ -15,8 +15,8 @@ from camp.common.stretches import stretches
 from camp.evaluation.recording import Recording
 from camp.metrics.contact import touchdowns
 from camp.metrics.gait import NO_GAIT, label_over_time
+from camp.robots.quadruped import FOOT_NAMES
 
-FEET = ("FL", "FR", "RL", "RR")
 WINDOW_S = 1.0  # of the measured gait
 
 
@@ -50,7 +50,7 @@ def spans(values: list[str], period_s: float) -> list[Span]:
 def compute_diagram(sequence: SwitchingSequence, touches: tuple[float, ...] | None = None) -> ContactDiagram:
     """Turn rows of contacts into spans, and read the performed gait from a window centred on each step."""
     return ContactDiagram(
-        stance=tuple(_stance(sequence.contact[:, foot], sequence.period_s) for foot in range(len(FEET))),
+        stance=tuple(_stance(sequence.contact[:, foot], sequence.period_s) for foot in range(len(FOOT_NAMES))),
         commanded=spans([sequence.skills[i] for i in sequence.skill], sequence.period_s),
         measured=spans(label_over_time(sequence.contact, sequence.period_s, WINDOW_S), sequence.period_s),
         touches=touches,
@@ -103,8 +103,8 @@ def _draw_feet(axes: Axes, diagram: ContactDiagram) -> None:
             facecolor=INK,
             linewidth=0,
         )
-    axes.set_yticks(range(len(FEET)), FEET)
-    axes.set_ylim(len(FEET) - 0.5, -0.5)
+    axes.set_yticks(range(len(FOOT_NAMES)), FOOT_NAMES)
+    axes.set_ylim(len(FOOT_NAMES) - 0.5, -0.5)
     axes.set_xlim(0.0, diagram.commanded[-1].end_s)
     axes.tick_params(axis="x", length=0, labelbottom=False)
     axes.tick_params(axis="y", length=0)

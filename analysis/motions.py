@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from analysis.contacts import FEET, spans
+from analysis.contacts import spans
 from analysis.load import AnalysisError
 from analysis.style import GAIT_COLOURS, INK, PAGE, new_figure, save, style
 from camp.cli.key_values import run_command
@@ -27,6 +27,7 @@ from camp.motion.clips.clip import Clip
 from camp.motion.clips.consistency import rotation_matrix
 from camp.motion.clips.store import load_clip
 from camp.motion.dataset.validate import heading_velocity
+from camp.robots.quadruped import FOOT_NAMES
 from camp.robots.registry import DEFAULT_ROBOT
 
 SHOWN_COMMAND = "forward_0.6"  # of the steady clips that are drawn
@@ -122,12 +123,12 @@ def _draw_contacts(axes: Axes, traces: MotionTraces) -> None:
     period = traces.time[1] - traces.time[0]
     for run in spans(traces.gait.tolist(), period):
         axes.axvspan(run.start_s, run.end_s, color=GAIT_COLOURS.get(run.name, _COMMAND_GREY), alpha=0.22, linewidth=0)
-    for foot in range(len(FEET)):
+    for foot in range(len(FOOT_NAMES)):
         stance = spans(np.where(traces.contact[:, foot], "stance", "swing").tolist(), period)
         bars = [(span.start_s, span.end_s - span.start_s) for span in stance if span.name == "stance"]
         axes.broken_barh(bars, (foot - 0.32, 0.64), facecolor=INK, linewidth=0)
-    axes.set_yticks(range(len(FEET)), FEET)
-    axes.set_ylim(len(FEET) - 0.5, -0.5)
+    axes.set_yticks(range(len(FOOT_NAMES)), FOOT_NAMES)
+    axes.set_ylim(len(FOOT_NAMES) - 0.5, -0.5)
     axes.set_xlim(0.0, traces.time[-1])
     axes.tick_params(axis="y", length=0)
 

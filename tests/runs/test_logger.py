@@ -136,9 +136,9 @@ def test_git_state(tmp_path):
 @pytest.mark.parametrize(
     ("config", "message"),
     [
-        (LoggerConfig("of", "camp", []), "logger.wandb_mode 'of': choose one of offline, online, disabled"),
-        (LoggerConfig("offline", "a/b", []), "logger.wandb_project 'a/b'"),
-        (LoggerConfig("offline", "", []), "logger.wandb_project ''"),
+        (LoggerConfig("of", "camp", []), "logger.wandb_mode = 'of': choose one of offline, online, disabled"),
+        (LoggerConfig("offline", "a/b", []), "logger.wandb_project = 'a/b'"),
+        (LoggerConfig("offline", "", []), "logger.wandb_project = ''"),
     ],
 )
 def test_wrong_settings_are_named(config, message):

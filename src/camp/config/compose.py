@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 
 from hydra import compose, initialize_config_dir
 from hydra.core.config_search_path import ConfigSearchPath
@@ -34,11 +36,18 @@ def compose_config(overrides: Sequence[str] = ()) -> Config:
     Raises Hydra's and OmegaConf's errors for overrides that do not fit, ConfigError for values out of range.
     """
     register_ablations()
-    # A command line may be under way, and Hydra knows only one composition at a time.
+    with composing(config_root()):
+        return resolve(compose("train", overrides=renamed_overrides(overrides)))
+
+
+@contextmanager
+def composing(folder: Path) -> Iterator[None]:
+    """Hydra's compose reads ``folder``; a command line that is under way goes on as if nothing had happened."""
+    # Hydra knows only one composition at a time.
     under_way = GlobalHydra.instance().hydra
     GlobalHydra.instance().clear()
     try:
-        with initialize_config_dir(str(config_root()), version_base="1.3"):
-            return resolve(compose("train", overrides=renamed_overrides(overrides)))
+        with initialize_config_dir(str(folder), version_base="1.3"):
+            yield
     finally:
         GlobalHydra.instance().hydra = under_way

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hydra import compose, initialize_config_dir
-from hydra.core.global_hydra import GlobalHydra
+from hydra import compose
 
 from camp.common.paths import config_root
+from camp.config.compose import composing
 from camp.evaluation.config import EvaluationConfig, resolve_evaluation
 
 
@@ -16,11 +16,5 @@ def compose_evaluation(overrides: Sequence[str] = ()) -> EvaluationConfig:
 
     Raises Hydra's and OmegaConf's errors for overrides that do not fit, ConfigError for values out of range.
     """
-    # A command line may be under way, and Hydra knows only one composition at a time.
-    under_way = GlobalHydra.instance().hydra
-    GlobalHydra.instance().clear()
-    try:
-        with initialize_config_dir(str(config_root() / "evaluation"), version_base="1.3"):
-            return resolve_evaluation(compose("evaluate", overrides=["run=none", *overrides]))
-    finally:
-        GlobalHydra.instance().hydra = under_way
+    with composing(config_root() / "evaluation"):
+        return resolve_evaluation(compose("evaluate", overrides=["run=none", *overrides]))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from omegaconf import MISSING
 
-from camp.common.errors import ConfigError
+from camp.common import checks
 
 WANDB_MODES = ("offline", "online", "disabled")
 
@@ -21,8 +21,8 @@ class LoggerConfig:
 
     def check(self) -> None:
         """Raise ConfigError for a value that cannot work."""
-        if self.wandb_mode not in WANDB_MODES:
-            modes = ", ".join(WANDB_MODES)
-            raise ConfigError(f"logger.wandb_mode {self.wandb_mode!r}: choose one of {modes}")
-        if not self.wandb_project or set(self.wandb_project) & set("/\\#?%:"):
-            raise ConfigError(f"logger.wandb_project {self.wandb_project!r}: write a name without any of / \\ # ? % :")
+        modes = f"choose one of {', '.join(WANDB_MODES)}"
+        checks.require(self.wandb_mode in WANDB_MODES, "logger.wandb_mode", self.wandb_mode, modes)
+        plain = bool(self.wandb_project) and not set(self.wandb_project) & set("/\\#?%:")
+        remedy = "write a name without any of / \\ # ? % :"
+        checks.require(plain, "logger.wandb_project", self.wandb_project, remedy)

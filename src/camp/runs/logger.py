@@ -41,7 +41,6 @@ class RunLogger:
         writes versions-<iteration>.json beside the first one. `announce` gets the
         lines that say how to look at the W&B run. Raises ConfigError, CheckpointError.
         """
-        logger.check()
         self.folder = identity.folder
         metrics_path = self.folder / METRICS
         versions_name = VERSIONS
