@@ -55,7 +55,7 @@ def draw_panels(panels: Sequence[Panel], scale: Scale, axis: Axis, columns: int 
             if index >= len(panels):
                 axes.set_axis_off()
                 continue
-            below = index + columns >= len(panels)
+            below = index // columns == rows - 1
             image = _draw(axes, panels[index], scale)
             axes.set_xticks(range(len(panels[index].columns)), panels[index].columns if below else [], rotation=90)
             axes.set_yticks(range(len(panels[index].rows)), panels[index].rows if index % columns == 0 else [])
