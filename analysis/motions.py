@@ -32,7 +32,6 @@ from camp.robots.registry import DEFAULT_ROBOT
 
 SHOWN_COMMAND = "forward_0.6"  # of the steady clips that are drawn
 SHOWN_S = 1.0  # of a steady clip
-
 EXAMPLES = {  # clip: what it shows
     "trot_3hz_speeding_up": "speeding up (varied)",
     "pace_3hz_changing_00001": "changing commands (varied)",

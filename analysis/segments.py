@@ -32,7 +32,7 @@ FOLDER = Path("outputs/reference_segments")
 FORWARD = (0.6, 0.0, 0.0)
 COMMANDS = (FORWARD, UNSEEN)  # of the policy's walks
 WALK_S = (2.0, 4.0)  # of a walk: until its gait has settled, and then
-CONTROL_S = 0.02
+CONTROL_S = 0.02  # of the expert's segments
 USUAL_HZ = 2.0  # of skills that have no frequency, where none is measured
 
 
@@ -73,21 +73,23 @@ def policy_walks(run: Run, folder: Path) -> list[ClipFeatures]:
     """
     features_of(run, [])  # is there one at all?
     assert run.skill_prior is not None
-    skills, ages, first = run.config.motion.skill_set(), run.config.env.transition_ages, round(WALK_S[0] / CONTROL_S)
+    env, skills = run.config.env, run.config.motion.skill_set()
+    ages, period = env.transition_ages, env.control_period_s
+    first = round(WALK_S[0] / period)
     label = torch.arange(len(skills)).repeat_interleave(len(COMMANDS))
-    steps = round(sum(WALK_S) / CONTROL_S)
+    steps = round(sum(WALK_S) / period)
     walked = walk(run, folder, "walks", label[:, None].repeat(1, steps), list(COMMANDS) * len(skills))
-    states = [walked.amp_state, walked.foot_stance] if run.config.env.foot_stance else [walked.amp_state]
+    states = [walked.amp_state, walked.foot_stance] if env.foot_stance else [walked.amp_state]
     seen = torch.from_numpy(np.concatenate(states, axis=-1)[:, first:])
     found = []
     for row in np.flatnonzero(~walked.fallen):
         shown = transitions(seen[row], ages)
         feature = run.skill_prior.predict(Transition(shown, torch.zeros(len(shown), dtype=torch.int64)))
         skill, contact = skills[walked.skill[row, 0]], walked.step_contact[row, first:]
-        measured = float(measure_gait(contact[None], CONTROL_S).frequency_hz[0])
+        measured = float(measure_gait(contact[None], period).frequency_hz[0])
         frequency = skill.frequency_hz or (measured if np.isfinite(measured) else USUAL_HZ)
         touchdown = first_touchdown(contact[ages[0] - 1 :, 0])
-        found.append(ClipFeatures(skill.gait, frequency, walked.command[row], feature.numpy(), touchdown, CONTROL_S))
+        found.append(ClipFeatures(skill.gait, frequency, walked.command[row], feature.numpy(), touchdown, period))
     return found
 
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from analysis.arms import ARMS, title_of
 from analysis.measures import answer, distinct_gaits, gait_counts, information, over_seeds
 from analysis.measures import paired_difference as difference
+from analysis.study import Thresholds
 from analysis.study_results import RunResult, StudyResult
 from camp.metrics.statistics import Interval
 
@@ -75,25 +76,24 @@ def by_seed(runs: Sequence[RunResult], measure: Measure) -> dict[int, float]:
 
 def ablation_table(result: StudyResult) -> Table:
     """A row for each arm: Yes or No beside the paper's, then all figures with 95-% intervals over seeds."""
-    known = measures(result)
-    heading = ["arm", "seeds", "multiple gaits", "paper: gaits", "gait control switch", "paper: switch", *known]
+    heading = ["arm", "seeds", "multiple gaits", "paper: gaits", "gait control switch", "paper: switch"]
     rows = []
     for arm in result.arms:
-        runs = result.of_arm(arm)
-        (several, obeys), (paper_several, paper_obeys) = answers(result, arm), _papers(arm)
-        figures = (interval_text(over_seeds(by_seed(runs, measure))) for measure in known.values())
-        rows.append([title_of(arm), str(len(runs)), several, paper_several, obeys, paper_obeys, *figures])
-    return Table(heading, rows)
+        found = figures(result, arm)
+        (several, obeys), (paper_several, paper_obeys) = answers(found, result.thresholds), _papers(arm)
+        said = [several, paper_several, obeys, paper_obeys]
+        rows.append([title_of(arm), str(len(result.of_arm(arm))), *said, *map(interval_text, found.values())])
+    return Table([*heading, *measures(result)], rows)
 
 
 def narrow_table(result: StudyResult) -> Table:
     """What fits a printed page: the paper's answers in parentheses, and the measures in NARROW alone."""
-    known = measures(result)
     rows = []
     for arm in result.arms:
-        said = [f"{own} ({paper})" for own, paper in zip(answers(result, arm), _papers(arm), strict=True)]
-        figures = (interval_text(over_seeds(by_seed(result.of_arm(arm), known[name]))) for name in NARROW)
-        rows.append([title_of(arm), *said, *figures])
+        found = figures(result, arm)
+        both = zip(answers(found, result.thresholds), _papers(arm), strict=True)
+        said = [f"{own} ({paper})" for own, paper in both]
+        rows.append([title_of(arm), *said, *(interval_text(found[name]) for name in NARROW)])
     return Table(["arm", "multiple gaits", "control switch", *NARROW], rows)
 
 
@@ -101,11 +101,13 @@ def difference_table(result: StudyResult) -> Table:
     """A row for each arm but the full one: every figure minus the full one's of the same seed, with its interval."""
     known, rows = measures(result), []
     for arm in result.arms:
+        if arm == REFERENCE:
+            continue
         pairs = [
             difference(by_seed(result.of_arm(arm), measure), by_seed(result.of_arm(REFERENCE), measure))
             for measure in known.values()
         ]
-        if arm != REFERENCE and any(pairs):
+        if any(pairs):
             rows.append([title_of(arm), *map(interval_text, pairs)])
     return Table([f"difference to {title_of(REFERENCE)}", *known], rows)
 
@@ -120,11 +122,15 @@ def seed_table(result: StudyResult) -> Table:
     return Table(["arm", "seed", *known], rows)
 
 
-def answers(result: StudyResult, arm: str) -> tuple[str, str]:
+def figures(result: StudyResult, arm: str) -> dict[str, Interval | None]:
+    """An arm's measures by their heading, mean and interval over seeds."""
+    runs = result.of_arm(arm)
+    return {name: over_seeds(by_seed(runs, measure)) for name, measure in measures(result).items()}
+
+
+def answers(found: Mapping[str, Interval | None], limits: Thresholds) -> tuple[str, str]:
     """Table IV's two: "Yes", "No" or "open" for several gaits, and for switching on command."""
-    runs, known, limits = result.of_arm(arm), measures(result), result.thresholds
-    gaits, bits = (over_seeds(by_seed(runs, known[name])) for name in (GAITS_SHOWN, INFORMATION))
-    return answer(gaits, limits.distinct_gaits), answer(bits, limits.information_bits)
+    return answer(found[GAITS_SHOWN], limits.distinct_gaits), answer(found[INFORMATION], limits.information_bits)
 
 
 def _papers(arm: str) -> tuple[str, str]:

@@ -48,10 +48,15 @@ class Joints:
 
 def put_on_ground(model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Lower or raise the robot as it stands until its lowest foot just touches the ground."""
+    data.qpos[2] -= lowest_foot(model, data)
+    mujoco.mj_forward(model, data)
+
+
+def lowest_foot(model: mujoco.MjModel, data: mujoco.MjData) -> float:
+    """Height of the lowest foot's underside above the ground, m; brings the kinematics of ``data`` up to date."""
     mujoco.mj_kinematics(model, data)
     feet = [model.geom(f"{leg}_foot").id for leg in FOOT_NAMES]
-    data.qpos[2] -= (data.geom_xpos[feet, 2] - model.geom_size[feet, 0]).min()
-    mujoco.mj_forward(model, data)
+    return float((data.geom_xpos[feet, 2] - model.geom_size[feet, 0]).min())
 
 
 def has_diverged(data: mujoco.MjData) -> bool:

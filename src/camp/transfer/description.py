@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camp.common.errors import CampError
+from camp.robots.mujoco_robot import Joints, lowest_foot
 from camp.robots.quadruped import FOOT_NAMES, JOINT_NAMES
 from camp.robots.robot import Robot
 
@@ -191,10 +192,8 @@ def _in_order(metadata: Mapping[str, Any], key: str) -> Floats:
 def _standing_height(model: mujoco.MjModel, pose: Floats) -> float:
     data = mujoco.MjData(model)
     data.qpos[:7] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
-    data.qpos[[model.joint(name).qposadr[0] for name in JOINT_NAMES]] = pose
-    mujoco.mj_kinematics(model, data)
-    feet = [model.geom(f"{foot}_foot").id for foot in FOOT_NAMES]
-    return float(-(data.geom_xpos[feet, 2] - model.geom_size[feet, 0]).min())
+    data.qpos[Joints.of(model, JOINT_NAMES).position] = pose
+    return -lowest_foot(model, data)
 
 
 def _text(value: float | Floats) -> str:
