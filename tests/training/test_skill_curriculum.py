@@ -139,6 +139,25 @@ def test_the_environment_truncates_each_skill_at_its_own_time(config, clips):
     assert (first_end == torch.where(begun == 1, 5, 10))[upright].all()
 
 
+def test_a_robot_does_not_change_to_a_skill_whose_episodes_would_be_over(config, clips):
+    config.env.episode_growth.initial_s = config.env.episode_growth.by_skill_from_s = 0.06
+    config.env.command.skill_period_s = 0.1
+    env = build_env(config, clips)
+    env.skill_schedule = SkillSchedule.uniform(4, 0.3, env.sim.device)
+    env.skill_schedule.episode_s[1] = 0.06
+    env.reset(seed=0, options={"stagger": False})
+    began, changed = 0, 0
+    for _ in range(30):
+        before = env.skill.clone()
+        step = env.advance(torch.zeros(8, 12))
+        ended = step.terminated | step.truncated
+        assert not (~ended & (before != 1) & (env.skill == 1)).any()
+        began += int((ended & (env.skill == 1)).sum())
+        changed += int((~ended & (env.skill != before)).sum())
+    assert began > 0
+    assert changed > 0
+
+
 def test_nothing_is_built_where_all_skills_are_alike(config):
     assert build_skill_curriculum(build_training(config), config) is None
     config.env.command.skill_focus = 0.5

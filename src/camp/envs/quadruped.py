@@ -113,7 +113,7 @@ class QuadrupedEnv(VectorEnv):
         self._begin(torch.ones(self.num_envs, dtype=torch.bool, device=self._device))
         self._steps_to_draw = 0
         if options.get("stagger", True):
-            shortest = int(torch.as_tensor(self._episode_steps()).min())
+            shortest = int(torch.as_tensor(self._episode_steps(self.skill)).min())
             self.step_count = torch.randint(shortest, (self.num_envs,), generator=self._generator, device=self._device)
         return self.observation, {"privileged": self.privileged}
 
@@ -158,7 +158,7 @@ class QuadrupedEnv(VectorEnv):
         situation = self._situation(measurement)
         reward = {name: term.masked_fill(diverged, 0.0) for name, term in task_rewards(self._terms, situation).items()}
         terminated = failed(measurement, diverged, self.config.termination)
-        truncated = self.step_count >= self._episode_steps()
+        truncated = self.step_count >= self._episode_steps(self.skill)
         if give_up is not None:
             truncated = truncated | give_up
         truncated = truncated & ~terminated
@@ -235,11 +235,14 @@ class QuadrupedEnv(VectorEnv):
         self.sim.load_state_dict(state["sim"])
         self.sim.prepare(self._pool.starts.dynamics)
 
-    def _episode_steps(self) -> int | Tensor:
-        """Control steps until an episode is truncated now, of all robots or (N,); grows with ``env.episode_growth``."""
+    def _episode_steps(self, skill: Tensor) -> int | Tensor:
+        """Control steps until an episode is truncated under these skills (N,), of all robots or (N,).
+
+        Grows with ``env.episode_growth``.
+        """
         growth, longest = self.config.episode_growth, self.config.episode_s
         if growth.by_skill_from_s is not None and self.skill_schedule is not None:
-            return self.skill_schedule.episode_steps(self.skill, self.sim.control_period)
+            return self.skill_schedule.episode_steps(skill, self.sim.control_period)
         if growth.initial_s is None:
             return self._steps(longest)
         doublings = self.num_steps * self.sim.control_period / growth.doubling_s
@@ -276,7 +279,11 @@ class QuadrupedEnv(VectorEnv):
         self.privileged = select(mask, observed.privileged, self.privileged)
 
     def _draw_commands(self) -> None:
-        """New commands and skills for the robots whose clock has come round; none where they come from outside."""
+        """New commands and skills for the robots whose clock has come round; none where they come from outside.
+
+        A skill whose episodes are shorter than this one has lasted begins in new episodes alone: a robot that changed
+        to it would be stopped at once, and its skill be counted as failed.
+        """
         config = self.config.command
         if config.source == EXTERNAL:
             return
@@ -284,6 +291,7 @@ class QuadrupedEnv(VectorEnv):
         new_skill = sample_skills(self.num_envs, self.num_skills, self._generator, self.skill_schedule)
         command_due = self.step_count % self._steps(config.period_s) == 0
         skill_due = self.step_count % self._steps(config.skill_period_s) == 0
+        skill_due &= self.step_count < self._episode_steps(new_skill)
         self.command = torch.where(command_due[:, None], new_command, self.command)
         self.skill = torch.where(skill_due, new_skill, self.skill)
 
