@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from camp.common.markdown import pipe_table
 from camp.config.compose import compose_config
 from camp.envs import observations
 from camp.robots.amp_state import AMP_ENTRIES, AMP_STATE_SIZE, FOOT_STANCE
@@ -60,11 +61,11 @@ def document() -> str:
 
 
 def _amp_table() -> str:
-    rows, start = ["| index | entry | size | unit | frame |", "|---|---|---|---|---|"], 0
+    rows, start = [], 0
     for name, size, unit, frame in AMP_ENTRIES:
-        rows.append(f"| {start}..{start + size - 1} | `{name}` | {size} | {unit} | {frame} |")
+        rows.append([f"{start}..{start + size - 1}", f"`{name}`", str(size), unit, frame])
         start += size
-    return "\n".join(rows)
+    return pipe_table(["index", "entry", "size", "unit", "frame"], rows)
 
 
 if __name__ == "__main__":

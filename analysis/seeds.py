@@ -19,6 +19,7 @@ import numpy as np
 from analysis.load import AnalysisError, evaluation_folder
 from analysis.reports import read_report
 from camp.cli.key_values import run_command
+from camp.common.markdown import pipe_table
 from camp.evaluation.report import Estimate, GaitSummary, Report
 from camp.metrics.statistics import Interval, seeds_interval
 from camp.runs.folder import REPORT
@@ -100,16 +101,17 @@ def as_markdown(reports: Sequence[Report]) -> str:
     suite, walks = reports[0].suite, _walks(reports[0])
     lines = [f"suite {suite.name} ({suite.digest}), seed of the suite {suite.seed}, per training seed {walks}", ""]
     spread = ["mean of seeds, 95 %"] if many else ["least", "median", "greatest"]
-    lines += _head(["", "target", *seeds, *spread, "shown in"])
+    targets = []
     for row in target_rows(reports):
         bound = f"{'>=' if row.at_least else '<='} {row.target:g}"
         figures = [_figure(value) for value in row.reached]
-        lines.append(_row([row.name, bound, *figures, *_spread(row, many), f"{row.shown} of {len(seeds)}"]))
+        targets.append([row.name, bound, *figures, *_spread(row, many), f"{row.shown} of {len(seeds)}"])
+    lines.append(pipe_table(["", "target", *seeds, *spread, "shown in"], targets))
     scores = skill_scores(reports)
     if scores is not None:
-        lines += ["", *_head(["gait right, stride", *seeds])]
-        for skill in reports[0].policies["trained"].skills:
-            lines.append(_row([skill, *(_gait(report.policies["trained"].skills[skill]) for report in reports)]))
+        trained = [report.policies["trained"].skills for report in reports]
+        gaits = [[skill, *(_gait(skills[skill]) for skills in trained)] for skill in trained[0]]
+        lines += ["", pipe_table(["gait right, stride", *seeds], gaits)]
         if many:
             lines += [
                 "",
@@ -133,14 +135,6 @@ def _walks(report: Report) -> str:
     counts += [f"{report.table_i.walks.all.rollouts} under Table I"] if report.table_i else []
     counts += [f"{report.switching.all.switches} switches"] if report.switching else []
     return ", ".join(counts) or "no walks"
-
-
-def _head(cells: Sequence[str]) -> list[str]:
-    return [_row(cells), "|---" * len(cells) + "|"]
-
-
-def _row(cells: Sequence[str]) -> str:
-    return f"| {' | '.join(cells)} |"
 
 
 def _gait(gait: GaitSummary) -> str:

@@ -12,6 +12,7 @@ from analysis.measures import answer, distinct_gaits, gait_counts, information, 
 from analysis.measures import paired_difference as difference
 from analysis.study import Thresholds
 from analysis.study_results import RunResult, StudyResult
+from camp.common.markdown import pipe_table
 from camp.metrics.statistics import Interval
 
 REFERENCE = "full"
@@ -29,8 +30,7 @@ class Table:
 
     def as_markdown(self) -> str:
         """A pipe table."""
-        lines = [self.heading, ["---"] * len(self.heading), *self.rows]
-        return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+        return pipe_table(self.heading, self.rows)
 
     def as_csv(self) -> str:
         """Comma-separated, the heading first."""

@@ -21,13 +21,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import NoReturn
 
 from rich.console import Console
 
 from camp.cli.guard import guarded
+from camp.common.arguments import Parser
 from camp.common.commands import command
-from camp.common.errors import ClipError, ConfigError
+from camp.common.errors import ClipError
 from camp.common.files import folder_lock
 from camp.common.paths import shipped_motions
 from camp.common.progress import track
@@ -164,13 +164,6 @@ def clip_paths(robot: Robot, folder: Path) -> list[Path]:
     return paths
 
 
-class _Parser(argparse.ArgumentParser):
-    """Tells errors as every command does, in one line."""
-
-    def error(self, message: str) -> NoReturn:
-        raise ConfigError(f"command line: {message}; see {self.prog} --help")
-
-
 def _whole(lowest: int, largest: int) -> Callable[[str], int]:
     """A reader of whole numbers within bounds."""
 
@@ -183,7 +176,7 @@ def _whole(lowest: int, largest: int) -> Callable[[str], int]:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser: argparse.ArgumentParser = _Parser(prog="python -m camp.dataset", description="Expert motions.")
+    parser = Parser(prog="python -m camp.dataset", description="Expert motions.")
     parser.set_defaults(command="generate")
     parser.add_argument(
         "--only", metavar="PATTERN", default="*", help="the clips whose name fits, such as 'trot_2hz_*'"

@@ -13,6 +13,7 @@ import torch
 from torch import Tensor
 
 from camp.common.errors import ConfigError
+from camp.common.markdown import pipe_table
 from camp.common.tensors import constant
 from camp.envs.config import NoiseConfig, ObservationConfig
 from camp.envs.situation import Situation
@@ -216,14 +217,10 @@ def noise_width(entries: tuple[Entry, ...], config: NoiseConfig) -> Tensor:
 
 def table(entries: tuple[Entry, ...], noise: NoiseConfig | None = None) -> str:
     """The entries as a Markdown table: index range, entry, size, unit, frame, scale and noise."""
-    rows = [
-        "| index | entry | size | unit | frame | scale | noise (uniform ±) |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    start = 0
+    rows, start = [], 0
     for entry in entries:
         width = getattr(noise, entry.noise) if noise is not None and entry.noise is not None else "-"
         index = f"{start}..{start + entry.size - 1}"
-        rows.append(f"| {index} | `{entry.name}` | {entry.size} | {entry.unit} | {entry.frame} | 1 | {width} |")
+        rows.append([index, f"`{entry.name}`", str(entry.size), entry.unit, entry.frame, "1", str(width)])
         start += entry.size
-    return "\n".join(rows)
+    return pipe_table(["index", "entry", "size", "unit", "frame", "scale", "noise (uniform ±)"], rows)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from rich.console import Group
 from rich.table import Table
 
+from camp.common.markdown import pipe_table
 from camp.evaluation.cells import cell, fitted, fraction_cells, of_estimate, percent, table, worst_first
 from camp.evaluation.motion_tables import reference_table, robustness_table, switching_table
 from camp.evaluation.report import (
@@ -80,16 +81,14 @@ def verdict_table(findings: Sequence[Finding], title: str) -> Table:
 
 def verdict_markdown(findings: Sequence[Finding]) -> str:
     """The same in Markdown."""
-    lines = ["| target | asked for | reached | 95 % interval | n | |", "|---|---|---|---|---|---|"]
+    rows = []
     for finding in findings:
         bound = ">=" if finding.at_least else "<="
         interval = "-" if finding.low is None else f"{finding.low:.3f} to {finding.high:.3f}"
         note = f" ({finding.note})" if finding.note else ""
-        lines.append(
-            f"| {finding.name}{note} | {bound} {finding.target:g} | {cell(finding.reached, '.3f')} | {interval} "
-            f"| {finding.n} | {finding.verdict} |"
-        )
-    return "\n".join(lines)
+        asked, reached = f"{bound} {finding.target:g}", cell(finding.reached, ".3f")
+        rows.append([finding.name + note, asked, reached, interval, str(finding.n), finding.verdict])
+    return pipe_table(["target", "asked for", "reached", "95 % interval", "n", ""], rows)
 
 
 def _right(part: GaitSummary) -> float | None:

@@ -10,6 +10,7 @@ import numpy as np
 from rich.console import Group
 from rich.table import Table
 
+from camp.common.markdown import pipe_table
 from camp.evaluation.cells import cell, fitted, fraction_cells, percent, table
 from camp.evaluation.contract import parse_skill
 from camp.evaluation.report import Estimate
@@ -98,12 +99,12 @@ def _of_suite(results: Sequence[Result]) -> list[Table]:
 
 def markdown(results: Sequence[Result]) -> str:
     """The table of engines for a page."""
-    lines = ["| robot | policy | engine | " + " | ".join(HEADINGS) + " |", "|---" * (3 + len(HEADINGS)) + "|"]
+    rows = []
     for result in ordered(results):
         kind = ENGINES[result.engine]
         engine = f"{kind.title}, {kind.package} {result.version}, {1000 * result.timestep_s:g} ms"
-        lines.append(f"| {result.robot} | {result.policy} | {engine} | " + " | ".join(_cells(result)) + " |")
-    return "\n".join(lines) + "\n"
+        rows.append([result.robot, result.policy, engine, *_cells(result)])
+    return pipe_table(["robot", "policy", "engine", *HEADINGS], rows) + "\n"
 
 
 def _cells(result: Result) -> list[str]:

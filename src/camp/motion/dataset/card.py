@@ -8,6 +8,7 @@ from pathlib import Path
 
 from camp.common.errors import ClipError
 from camp.common.files import write_text
+from camp.common.markdown import pipe_table
 from camp.gaits.gait import GAITS
 from camp.motion.clips.clip import SPLITS, STAND, TRAINING_SPLITS, Clip
 from camp.motion.clips.consistency import ClipCheck
@@ -155,7 +156,7 @@ def _counts_table(clips: Mapping[str, Clip]) -> str:
         for gait, frequency in cells
     ]
     rows.append(["**all**", "", *(str(sum(clip.split == split for clip in clips.values())) for split in splits)])
-    return _markdown(["gait", "Hz", *splits], rows)
+    return pipe_table(["gait", "Hz", *splits], rows)
 
 
 def _splits_text(clips: Mapping[str, Clip]) -> str:
@@ -164,7 +165,7 @@ def _splits_text(clips: Mapping[str, Clip]) -> str:
 
 
 def _keys_table() -> str:
-    return _markdown(["key", "shape", "unit", "meaning"], [[f"`{key}`", *values] for key, values in KEYS.items()])
+    return pipe_table(["key", "shape", "unit", "meaning"], [[f"`{key}`", *values] for key, values in KEYS.items()])
 
 
 def _quality_table(worst: Mapping[Cell, Mapping[str, ClipCheck]], counts: Mapping[Cell, int]) -> str:
@@ -178,13 +179,8 @@ def _quality_table(worst: Mapping[Cell, Mapping[str, ClipCheck]], counts: Mappin
         split, gait, frequency = cell
         values = [f"{checks[name].value:.3f}" if name in checks else "" for name in _COLUMNS if name in limits]
         rows.append([split, gait, f"{frequency:g}", str(counts[cell]), *values])
-    return _markdown(header, rows)
+    return pipe_table(header, rows)
 
 
 def _cell_of(clip: Clip) -> Cell:
     return clip.split, clip.gait, clip.frequency_hz
-
-
-def _markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
