@@ -61,8 +61,8 @@ def test_validation_of_the_smallest_clip(folder: Path, capsys: pytest.CaptureFix
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["import"], "command line: the following arguments are required: file, --format, --gait"),
-        (["import", "x", "--format", "bvh", "--gait", "trot"], "command line: argument --format: invalid choice"),
+        (["import"], "the following arguments are required: file, --format, --gait"),
+        (["import", "x", "--format", "bvh", "--gait", "trot"], "argument --format: invalid choice"),
         (["import", "none.txt", "--format", "amp", "--gait", "trot"], "motion none.txt does not exist"),
         (["import", ".", "--format", "amp", "--gait", "trot"], "motion . does not exist; pass the path of a file"),
         (["export", "none.npz", "--format", "amp", "x.txt"], "clip none.npz does not exist"),
@@ -72,7 +72,7 @@ def test_validation_of_the_smallest_clip(folder: Path, capsys: pytest.CaptureFix
         (["perturbed", "--count", "1e9"], "argument --count: '1e9': pass a whole number from 1 to 100000"),
         (["--workers", "0"], "argument --workers: '0': pass a whole number from 1 to 1024"),
         (["--folder", "/dev/null/clips"], "output folder /dev/null/clips: Not a directory"),
-        (["--no-such-option"], "command line: unrecognized arguments: --no-such-option; see python -m camp.dataset"),
+        (["--no-such-option"], "unrecognized arguments: --no-such-option; see --help"),
     ],
 )
 def test_bad_command_lines_are_one_line(

@@ -16,6 +16,7 @@ from omegaconf import DictConfig
 from rich.console import Console
 from rich.table import Table
 
+from camp.bench import arithmetic
 from camp.bench.baselines import STEPS, Rounds, baselines
 from camp.build import Training, build_training
 from camp.common.threads import set_threads
@@ -53,7 +54,10 @@ def _bench(config: Config, num_envs: int) -> None:
     with baselines(training.env, config) as named:
         _print_stepping(_in_turn(named, device), config)
     _print_sampling(training)
-    _print_iteration(*_iteration(Runner(training, config, Path())), config)
+    runner = Runner(training, config, Path())
+    _print_iteration(*_iteration(runner), config)
+    if device.type == training.device.type == "cpu":
+        _print_rates(arithmetic.rates(runner), config)
     if device.type == "cuda":
         free, total = torch.cuda.mem_get_info(device)
         name = torch.cuda.get_device_name(device)
@@ -154,4 +158,14 @@ def _print_iteration(whole: float, parts: dict[str, float], config: Config) -> N
         table.add_column(heading, justify="left" if heading == "part" else "right")
     for name, value in parts.items():
         table.add_row(name, f"{value:.2f}", f"{value / sum(parts.values()):.0%}")
+    Console().print(table)
+
+
+def _print_rates(rates: dict[str, float], config: Config) -> None:
+    *updates, product = rates.items()
+    table = Table(title=f"matrix products of the updates, {config.algo.precision}")
+    for heading in ("", "GFLOP/s", f"of a product of {arithmetic.SIZE} x {arithmetic.SIZE}"):
+        table.add_column(heading, justify="right" if heading else "left")
+    for name, rate in (*updates, product):
+        table.add_row(name, f"{rate / 1e9:,.0f}", f"{rate / product[1]:.0%}")
     Console().print(table)
