@@ -80,8 +80,8 @@ class ImitationLoss:
 def _loss(
     actor: GaussianActor, index: Tensor, data: ImitationData, config: ImitationConfig, generator: torch.Generator
 ) -> Tensor:
-    observation = _noised(data.observation[index], data, config, generator)
-    return functional.mse_loss(actor(observation), data.action[index])
+    observation = _noised(data.observation.index_select(0, index), data, config, generator)
+    return functional.mse_loss(actor(observation), data.action.index_select(0, index))
 
 
 def _noised(observation: Tensor, data: ImitationData, config: ImitationConfig, generator: torch.Generator) -> Tensor:

@@ -52,7 +52,7 @@ Batch = TypeVar("Batch", _ActorBatch, _CriticBatch)
 
 
 def _take(batch: Batch, index: Tensor) -> Batch:
-    return type(batch)(*(getattr(batch, f.name)[index] for f in fields(batch)))
+    return type(batch)(*(getattr(batch, f.name).index_select(0, index) for f in fields(batch)))
 
 
 def minibatches(size: int, epochs: int, count: int, generator: torch.Generator) -> Iterator[Tensor]:
