@@ -135,7 +135,13 @@ def build_env(config: Config, clips: list[Clip], num_envs: int | None = None) ->
         sim,
         config.env,
         config.robot.action_scale,
-        ReferenceStates(clips, config.motion.skill_set(), sim.device, config.env.transition_ages[0]),
+        ReferenceStates(
+            clips,
+            config.motion.skill_set(),
+            sim.device,
+            config.env.transition_ages[0],
+            config.env.observation.history,
+        ),
         generator(config.seed, distributed.stream("environment"), sim.device),
     )
 

@@ -32,11 +32,12 @@ def test_shapes_and_spaces(config, clips):
 
 
 def test_history_holds_the_last_control_steps_the_oldest_first(config, clips):
+    config.env.initialization.reference_fraction, config.env.noise.enabled = 0.0, False
     single = make(copy.deepcopy(config), clips)
     config.env.observation.history = 3
     env = make(config, clips)
     assert env.observation.shape == env.observation_space.shape == (8, 3 * 49)
-    frames = [single.observation] * 3  # an episode's first step stands for those before it
+    frames = [single.observation] * 3  # who stands has stood
     for _ in range(4):
         torch.testing.assert_close(env.observation, torch.cat(frames[-3:], dim=1), rtol=0, atol=0)
         step = env.advance(ZERO)
@@ -51,11 +52,29 @@ def test_history_holds_the_last_control_steps_the_oldest_first(config, clips):
 
 def test_an_episode_begins_without_the_history_of_the_one_before(config, clips):
     config.env.observation.history = 2
+    config.env.initialization.reference_fraction, config.env.noise.enabled = 0.0, False
     env = make(config, clips)
     env.advance(ZERO)
     step = env.advance(ZERO, give_up=torch.ones(8, dtype=torch.bool))
     assert torch.equal(step.observation[:, :49], step.observation[:, 49:])
     assert not torch.equal(step.final_observation[:, :49], step.final_observation[:, 49:])
+
+
+def test_a_robot_set_into_a_clip_has_observed_the_clip(config, clips):
+    config.env.observation.history = 3
+    config.env.initialization.reference_fraction, config.env.noise.enabled = 1.0, False
+    env = make(config, clips)
+    joint_position, last_action = slice(9, 21), slice(33, 45)
+    pose = np.array(GO2.default_joint_position, np.float32)
+    starts = env._pool.starts.initial.joint_position.numpy()
+    for frames, start in zip(env.observation.view(8, 3, 49).numpy(), starts, strict=True):
+        (clip, row) = next(
+            (clip, row) for clip in clips for row in np.flatnonzero((clip.joint_position == start).all(axis=1)).tolist()
+        )
+        rows = slice(row - 2, row + 1)
+        np.testing.assert_allclose(frames[:, joint_position], clip.joint_position[rows] - pose, atol=1e-6)
+        targets = clip.joint_target_applied[row - 3 : row]
+        np.testing.assert_allclose(frames[:, last_action], (targets - pose) / env.action_scale, atol=1e-5)
 
 
 def test_a_late_robot_set_into_a_clip_goes_on_with_the_clips_target(config, clips):

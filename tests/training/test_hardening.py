@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 import torch
 
@@ -34,6 +36,13 @@ def reading(*accuracy: float, falls: float = 0.5) -> dict[str, object]:
 )
 def test_one_reading_moves_the_difficulty_by_a_step(metrics, expected):
     assert next_difficulty(0.5, metrics, CONFIG, num_skills=2) == pytest.approx(expected)
+
+
+def test_no_skill_may_be_left_behind():
+    careful = replace(CONFIG, weakest_up=0.6)
+    assert next_difficulty(0.5, reading(1.0, 1.0, 0.8), careful, num_skills=3) == pytest.approx(0.6)
+    assert next_difficulty(0.5, reading(1.0, 1.0, 1.0, 0.61), careful, num_skills=4) == pytest.approx(0.6)
+    assert next_difficulty(0.5, reading(1.0, 1.0, 1.0, 1.0, 0.59), careful, num_skills=5) == 0.5
 
 
 def test_difficulty_stays_within_bounds_and_without_a_curriculum_where_it_is():

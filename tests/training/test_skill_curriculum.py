@@ -148,14 +148,24 @@ def test_a_robot_does_not_change_to_a_skill_whose_episodes_would_be_over(config,
     env.reset(seed=0, options={"stagger": False})
     began, changed = 0, 0
     for _ in range(30):
-        before = env.skill.clone()
+        before, lasted = env.skill.clone(), env.step_count + 1
         step = env.advance(torch.zeros(8, 12))
         ended = step.terminated | step.truncated
         assert not (~ended & (before != 1) & (env.skill == 1)).any()
         began += int((ended & (env.skill == 1)).sum())
         changed += int((~ended & (env.skill != before)).sum())
+        assert (step.truncated & (before != 1) & (lasted % 5 > 0)).sum() == 0  # no change was stopped half-way
     assert began > 0
     assert changed > 0
+
+
+def test_a_schedule_draws_among_what_is_possible_for_each_robot():
+    schedule = SkillSchedule(torch.ones(3), torch.tensor([1.0, 100.0, 3.0]))
+    possible = torch.tensor([[True, False, True], [False, False, True]]).repeat(2000, 1)
+    drawn = schedule.draw_among(possible, torch.Generator().manual_seed(0)).view(2000, 2)
+    assert (drawn[:, 1] == 2).all()
+    shares = drawn[:, 0].bincount(minlength=3) / 2000
+    torch.testing.assert_close(shares, torch.tensor([0.25, 0.0, 0.75]), atol=0.04, rtol=0.0)
 
 
 def test_nothing_is_built_where_all_skills_are_alike(config):

@@ -204,6 +204,7 @@ class HardeningConfig:
     initial: Fraction | None = None  # difficulty in [0, 1] at the start; null: all of it from the start
     step: Fraction = 0.05  # of the difficulty, at one reading of the gaits (run.gait_every)
     accuracy_up: Fraction = 0.9  # harder where this fraction shows its gait, mean over skills, ...
+    weakest_up: Fraction = 0.0  # ... and this fraction of each skill's robots, ...
     falls_per_1000_steps: FallRate = 1.0  # ... and no more fall
     accuracy_down: Fraction = 0.75  # easier below it
 

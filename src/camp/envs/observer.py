@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
@@ -35,7 +36,7 @@ class Observer:
         self.actor_entries = observations.entries_of(config.observation.policy, num_skills)
         self.privileged_entries = observations.entries_of(config.observation.critic, num_skills)
         self.sizes = observations.sizes(config.observation, num_skills)  # O, X
-        self._history, self._frame = config.observation.history, observations.size(self.actor_entries)
+        self._frame = observations.size(self.actor_entries)
         self._generator = generator
         width = observations.noise_width(self.actor_entries, config.noise).to(generator.device)
         self._noise = width if config.noise.enabled else None
@@ -51,9 +52,9 @@ class Observer:
         privileged = observations.observe(self.privileged_entries, situation)
         return Observed(_bounded(frame), _bounded(privileged))
 
-    def first(self, frame: Tensor) -> Tensor:
-        """(N, O) of robots that are taken to have been where they are for long."""
-        return frame.repeat(1, self._history)
+    def first(self, frames: Sequence[Tensor]) -> Tensor:
+        """(N, O) at a start, of the last H control steps' frames (N, F), oldest first."""
+        return torch.cat(list(frames), dim=1)
 
     def next(self, observation: Tensor, frame: Tensor) -> Tensor:
         """(N, O) one control step later."""

@@ -253,9 +253,11 @@ class QuadrupedEnv(VectorEnv):
 
     def _draw_starts(self, dynamics: Dynamics | None = None) -> None:
         """The start that each robot takes if its episode ends before the next draw."""
-        starts = self._pool.drawn(self.num_envs, self.difficulty, self.skill_schedule, dynamics)
-        if self.config.command.source == EXTERNAL:
-            starts = replace(starts, command=self.command, skill=self.skill)
+        external = self.config.command.source == EXTERNAL
+        skill = self.skill if external else None
+        starts = self._pool.drawn(self.num_envs, self.difficulty, self.skill_schedule, dynamics, skill)
+        if external:
+            starts = replace(starts, command=self.command)
         self.sim.prepare(starts.dynamics)
         self._pool.keep(starts, self.difficulty)
         self._steps_to_draw = self._steps(STARTS_PERIOD_S)
@@ -281,19 +283,29 @@ class QuadrupedEnv(VectorEnv):
     def _draw_commands(self) -> None:
         """New commands and skills for the robots whose clock has come round; none where they come from outside.
 
-        A skill whose episodes are shorter than this one has lasted begins in new episodes alone: a robot that changed
-        to it would be stopped at once, and its skill be counted as failed.
+        A robot changes to a skill only if its episode, as long as the skill's are, leaves it the whole period: one that
+        was stopped in the middle of the change would be counted as a failure of the skill.
         """
         config = self.config.command
         if config.source == EXTERNAL:
             return
         new_command = sample_commands(self.num_envs, config, self._generator)
-        new_skill = sample_skills(self.num_envs, self.num_skills, self._generator, self.skill_schedule)
+        period = self._steps(config.skill_period_s)
+        new_skill = self._next_skills(self.step_count + period)
         command_due = self.step_count % self._steps(config.period_s) == 0
-        skill_due = self.step_count % self._steps(config.skill_period_s) == 0
-        skill_due &= self.step_count < self._episode_steps(new_skill)
+        skill_due = self.step_count % period == 0
         self.command = torch.where(command_due[:, None], new_command, self.command)
         self.skill = torch.where(skill_due, new_skill, self.skill)
+
+    def _next_skills(self, steps: Tensor) -> Tensor:
+        """(N,) skills for robots whose episodes shall last for so many control steps (N,); theirs where none can."""
+        schedule = self.skill_schedule
+        if schedule is None or self.config.episode_growth.by_skill_from_s is None:
+            return sample_skills(self.num_envs, self.num_skills, self._generator, schedule)
+        every = torch.arange(self.num_skills, device=self._device)
+        possible = schedule.episode_steps(every, self.sim.control_period) >= steps[:, None]
+        stays = ~possible.any(dim=1, keepdim=True) & (every == self.skill[:, None])
+        return schedule.draw_among(possible | stays, self._generator)
 
     def _push(self) -> None:
         config = self.config.push

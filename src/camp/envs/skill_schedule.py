@@ -31,6 +31,10 @@ class SkillSchedule:
         """(num,) int64 labels."""
         return torch.multinomial(self.weight, num, replacement=True, generator=generator)
 
+    def draw_among(self, possible: Tensor, generator: torch.Generator) -> Tensor:
+        """(N,) int64 labels, each of those that are possible (N, K) bool for its robot, at least one."""
+        return torch.multinomial(self.weight * possible, 1, generator=generator).squeeze(1)
+
     def state_dict(self) -> dict[str, Any]:
         return {"episode_s": self.episode_s, "weight": self.weight}
 

@@ -16,11 +16,17 @@ from camp.metrics.gait import measure_gait
 MAX_READ = 256  # robots per reading; the metric costs some 0.1 ms each
 
 
-def mean_accuracy(metrics: Mapping[str, object], num_skills: int) -> float | None:
-    """Of a reading: over all skills, 0 for one that no robot followed long enough; None where there is no reading."""
+def accuracies(metrics: Mapping[str, object], num_skills: int) -> list[float]:
+    """Of a reading: each skill's, 0 for one that no robot followed long enough; empty where there is no reading."""
     names = [name for name in metrics if name.startswith("gait/") and name.endswith("/accuracy")]
     values = [value for name in names if isinstance(value := metrics[name], float)]
-    return sum(values) / num_skills if values else None
+    return values + [0.0] * (num_skills - len(values)) if values else []
+
+
+def mean_accuracy(metrics: Mapping[str, object], num_skills: int) -> float | None:
+    """The mean of a reading's `accuracies`; None where there is no reading."""
+    read = accuracies(metrics, num_skills)
+    return sum(read) / len(read) if read else None
 
 
 class GaitMonitor:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from camp.envs.config import HardeningConfig
-from camp.training.gait_monitor import mean_accuracy
+from camp.training.gait_monitor import accuracies
 
 
 def next_difficulty(
@@ -14,15 +14,17 @@ def next_difficulty(
     """The difficulty in [0, 1] after an iteration's metrics.
 
     Moved by the readings of ``run.gait_every``, which come from foot contacts and not from a discriminator: up where
-    the mean over skills shows its gait and few robots fall, down where the gaits are being lost. Between two
-    readings, and without any, it stays.
+    enough robots show their gait, of all skills and of each, and few fall; down where the gaits are being lost. Between
+    two readings, and without any, it stays.
     """
-    accuracy = mean_accuracy(metrics, num_skills)
+    read = accuracies(metrics, num_skills)
     falls = metrics.get("env/falls_per_1000_steps")
-    if config.initial is None or accuracy is None or not isinstance(falls, float):
+    if config.initial is None or not read or not isinstance(falls, float):
         return difficulty
-    if accuracy >= config.accuracy_up and falls <= config.falls_per_1000_steps:
+    mean = sum(read) / len(read)
+    holds = mean >= config.accuracy_up and min(read) >= config.weakest_up
+    if holds and falls <= config.falls_per_1000_steps:
         return min(1.0, difficulty + config.step)
-    if accuracy < config.accuracy_down:
+    if mean < config.accuracy_down:
         return max(0.0, difficulty - config.step)
     return difficulty

@@ -139,6 +139,17 @@ def test_reference_states_know_their_past():
     assert set((stamp[:, -1] % 100).tolist()) <= set(range(3, 30))
 
 
+def test_a_path_ends_with_the_drawn_state():
+    references = ReferenceStates(make_clips(), SKILLS, history=2, observed=4)
+    label = torch.tensor([0, 1, 2] * 200)
+    path, drawn = references.sample_path(label, rng()), references.sample(label, rng())
+    stamp = torch.stack([state.base_height for state in path], dim=1)
+    assert stamp.shape == (600, 4) and (stamp.diff(dim=1) == 1).all()
+    assert torch.equal(stamp[:, -1], drawn.base_height)
+    assert set((stamp[:, 0] % 100).tolist()) <= set(range(1, 27))  # a first frame has no previous target
+    assert torch.equal(path[0].joint_target_applied_previous[:, 0], stamp[:, 0] - 0.5)
+
+
 def test_a_clip_shorter_than_the_history_is_refused():
     with pytest.raises(ClipError, match=r"pace with 5 frames: too short for env\.transition_ages"):
         ReferenceStates(make_clips(), SKILLS, history=6)

@@ -117,28 +117,33 @@ class ReferenceStates:
     """Draws states for reference-state initialization (Peng et al. 2018)."""
 
     def __init__(
-        self, clips: Sequence[Clip], skills: Sequence[Skill], device: torch.device | str = "cpu", history: int = 1
+        self,
+        clips: Sequence[Clip],
+        skills: Sequence[Skill],
+        device: torch.device | str = "cpu",
+        history: int = 1,
+        observed: int = 1,
     ) -> None:
-        """history: A, how many AMP states go with each state. Raises ClipError for a skill without clips or unequal
-        frame rates, or a clip that is shorter than the history."""
+        """history: A, how many AMP states go with each state; observed: H, how many states `sample_path` gives. Raises
+        ClipError for a skill without clips or unequal frame rates, or a clip that is shorter than these."""
         groups = _by_skill(clips, skills)
         self.skills, self.num_skills = tuple(skills), len(groups)
         ordered = [clip for group in groups for clip in group]
-        # The first frame of a clip has no previous target, and the first ones no history, so no row has them.
-        first = max(1, history - 1)
+        # The first frame of a clip has no previous target, so no row has it; before the first one with a whole history
+        # nothing is drawn.
+        first = max(observed, history - 1)
         length = [len(clip) - first for clip in ordered]
         if min(length) < 1:
             shortest = min(ordered, key=len)
             raise ClipError(
-                f"clip of {shortest.gait} with {len(shortest)} frames: too short for env.transition_ages, which look "
-                f"back {history} frames; choose smaller ages or longer clips"
+                f"clip of {shortest.gait} with {len(shortest)} frames: too short for env.transition_ages "
+                f"and env.observation.history, which look back {first} frames; choose smaller ones or longer clips"
             )
 
         def rows(name: str) -> Tensor:
-            return _tensor(np.concatenate([getattr(clip, name)[first:] for clip in ordered]), device)
+            return _tensor(np.concatenate([getattr(clip, name)[1:] for clip in ordered]), device)
 
-        pairs = zip(ordered, length, strict=True)
-        commands = [np.broadcast_to(clip.command, (first + frames, 3))[first:] for clip, frames in pairs]
+        commands = [np.broadcast_to(clip.command, (len(clip), 3))[1:] for clip in ordered]
         recent = range(history - 1, -1, -1)  # ages of the history's states
         self._frames = ReferenceState(
             base_height=rows("base_position")[:, 2],
@@ -149,25 +154,40 @@ class ReferenceStates:
             base_angular_velocity=rows("base_angular_velocity"),
             command=_tensor(np.concatenate(commands), device),
             joint_target_applied_previous=_tensor(
-                np.concatenate([clip.joint_target_applied[first - 1 : -1] for clip in ordered]), device
+                np.concatenate([clip.joint_target_applied[:-1] for clip in ordered]), device
             ),
             amp_history=torch.cat(
-                [
-                    transitions(torch.from_numpy(discriminator_state(clip)), recent)[first - recent[0] :]
-                    for clip in ordered
-                ]
+                [transitions(_continued_back(discriminator_state(clip), recent[0]), recent)[1:] for clip in ordered]
             ).to(device),
         )
-        self._length = torch.tensor(length, device=device)  # (C,) frames per clip
-        self._first_frame = self._length.cumsum(0) - self._length  # (C,)
+        self._observed = observed
+        self._length = torch.tensor(length, device=device)  # (C,) frames per clip that are drawn
+        kept = torch.tensor([len(clip) - 1 for clip in ordered], device=device)
+        self._first_frame = kept.cumsum(0) - kept + first - 1  # (C,) row of the first of them
         self._clips = torch.tensor([len(group) for group in groups], device=device)  # (K,) clips per skill
         self._first_clip = self._clips.cumsum(0) - self._clips  # (K,)
 
     def sample(self, skill: Tensor, generator: torch.Generator) -> ReferenceState:
         """One state per label in skill (n,): uniformly a clip of that skill, then a frame t >= 1."""
+        return self._at(self._draw(skill, generator))
+
+    def sample_path(self, skill: Tensor, generator: torch.Generator) -> list[ReferenceState]:
+        """The same with the H - 1 states before it, oldest first."""
+        row = self._draw(skill, generator)
+        return [self._at(row - age) for age in reversed(range(self._observed))]
+
+    def _draw(self, skill: Tensor, generator: torch.Generator) -> Tensor:
+        """(n,) rows."""
         clip = self._first_clip[skill] + _uniform_index(self._clips[skill], generator)
-        row = self._first_frame[clip] + _uniform_index(self._length[clip], generator)
-        return ReferenceState(**{name: values[row] for name, values in vars(self._frames).items()})
+        return self._first_frame[clip] + _uniform_index(self._length[clip], generator)
+
+    def _at(self, row: Tensor) -> ReferenceState:
+        return ReferenceState(**{name: values.index_select(0, row) for name, values in vars(self._frames).items()})
+
+
+def _continued_back(states: np.ndarray, frames: int) -> Tensor:
+    """(T + frames, S) as if the first state had lasted so much longer: every row has a history, if not a drawn one."""
+    return torch.from_numpy(np.concatenate([states[:1].repeat(frames, axis=0), states]))
 
 
 def _uniform_index(count: Tensor, generator: torch.Generator) -> Tensor:
