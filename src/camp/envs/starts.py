@@ -44,19 +44,16 @@ class Starts:
     earlier: list[Moment]  # the H - 1 control steps before, oldest first: what the policy observes of the past
 
     def state_dict(self) -> dict[str, Any]:
-        earlier = [vars(moment) | {"initial": vars(moment.initial)} for moment in self.earlier]
-        return vars(self) | {
-            "initial": vars(self.initial),
-            "dynamics": self.dynamics.tensors(),
-            "earlier": earlier,
-        }
+        """All but ``earlier``, which has been observed by then."""
+        parts = {"initial": vars(self.initial), "dynamics": self.dynamics.tensors()}
+        return {name: value for name, value in vars(self).items() if name != "earlier"} | parts
 
     @classmethod
     def from_state_dict(cls, state: dict[str, Any]) -> Self:
         parts = {
             "initial": InitialState(**state["initial"]),
             "dynamics": Dynamics.from_tensors(state["dynamics"]),
-            "earlier": [Moment(InitialState(**one["initial"]), one["joint_target"]) for one in state["earlier"]],
+            "earlier": [],
         }
         return cls(**(state | parts))
 
