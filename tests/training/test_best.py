@@ -18,7 +18,16 @@ def test_the_latest_reading_before_a_checkpoint_counts():
     best.read({"gait/trot_2hz/accuracy": 1.0})  # no robot paced for long enough: the mean is a half
     best.saved(4)
     assert best.iteration == 3
-    assert best.state_dict() == {"reading": 0.5, "iteration": 3.0, "score": 0.9}
+    state = {"reading": 0.5, "difficulty": 1.0, "iteration": 3.0, "score": 0.9, "best_difficulty": 1.0}
+    assert best.state_dict() == state
+
+
+def test_harder_conditions_count_for_more_than_any_accuracy_under_easier_ones():
+    best, gait = BestCheckpoint(1), "gait/trot/accuracy"
+    for iteration, difficulty, accuracy in [(1, 0.0, 1.0), (2, 0.5, 0.8), (3, 0.5, 0.7), (4, 0.25, 1.0)]:
+        best.read({gait: accuracy, "env/difficulty": difficulty})
+        best.saved(iteration)
+    assert best.iteration == 2
 
 
 def test_of_equal_ones_the_newest_and_a_continued_run_goes_on():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from camp.runs.metrics import Metric
@@ -11,12 +12,14 @@ from camp.training.gait_monitor import mean_accuracy
 class BestCheckpoint:
     """The checkpoint with the highest gait accuracy, the mean over all skills of the latest live reading before it.
 
-    Nothing is the best before a reading of at least one skill. Of equal ones the newest counts.
+    A reading under harder conditions (``env.hardening``) counts for more than any under easier ones. Nothing is the
+    best before a reading of at least one skill. Of equal ones the newest counts.
     """
 
     def __init__(self, num_skills: int) -> None:
         self._num_skills = num_skills
-        self._state: dict[str, float] = {}  # reading: the latest; iteration, score: of the best checkpoint
+        # reading, difficulty: the latest; iteration, score, best_difficulty: of the best checkpoint
+        self._state: dict[str, float] = {}
 
     @property
     def iteration(self) -> int | None:
@@ -26,14 +29,19 @@ class BestCheckpoint:
     def read(self, metrics: Mapping[str, Metric]) -> None:
         """Take in an iteration's metrics."""
         accuracy = mean_accuracy(metrics, self._num_skills)
-        if accuracy is not None:
-            self._state["reading"] = accuracy
+        if accuracy is not None and math.isfinite(accuracy):
+            difficulty = metrics.get("env/difficulty", 1.0)
+            assert isinstance(difficulty, float)
+            self._state |= {"reading": accuracy, "difficulty": difficulty}
 
     def saved(self, iteration: int) -> None:
         """Take in that a checkpoint is being saved after ``iteration``."""
-        reading = self._state.get("reading")
-        if reading is not None and reading >= self._state.get("score", 0.0):
-            self._state |= {"iteration": float(iteration), "score": reading}
+        state = self._state
+        if "reading" not in state:
+            return
+        now = state.get("difficulty", 1.0), state["reading"]
+        if now >= (state.get("best_difficulty", 0.0), state.get("score", 0.0)):
+            self._state |= {"iteration": float(iteration), "best_difficulty": now[0], "score": now[1]}
 
     def state_dict(self) -> dict[str, float]:
         return dict(self._state)
