@@ -76,7 +76,7 @@ def test_the_experts_own_clip_lies_on_its_mean_stride(clip, report):
 def test_boxes_hold_the_configured_sizes():
     config = compose_config(["run=scratch"])
     boxes = compute_boxes(config)
-    assert boxes["actor"].lines[1] == "57 - 256 - 128 - 64 - 12"  # 45 + 12 skills
+    assert boxes["actor"].lines[1] == "171 - 256 - 128 - 64 - 12"  # 3 control steps of 45 + 12 skills
     assert boxes["skill"].lines[1] == "3 x 47" and boxes["embedding"].lines[1] == "12 x 64"
     assert "imitation" not in boxes
     assert "style" not in compute_boxes(compose_config(["run=scratch", "+ablation=task_only"]))
