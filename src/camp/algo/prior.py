@@ -104,7 +104,7 @@ class WithHistograms(Protocol):
 def in_chunks(score: Callable[[Transition], Tensor], transition: Transition) -> Tensor:
     """score(transition) (B, ...) computed piece by piece, without gradient."""
     with torch.no_grad():
-        pieces = range(0, len(transition), SCORE_CHUNK)
+        pieces = range(0, max(1, len(transition)), SCORE_CHUNK)  # one at least, also of nothing
         return torch.cat([score(transition.take(slice(i, i + SCORE_CHUNK))) for i in pieces])
 
 
