@@ -37,6 +37,12 @@ def test_classifies_four_clusters_and_rewards_the_commanded_one():
     assert prior.reward(wrong).mean() < 0.4
 
 
+def test_no_transitions_have_no_answers():
+    prior, nothing = make_skill(), policy().take(slice(0, 0))
+    assert prior.classify(prior.predict(nothing)).shape == (0,)
+    assert prior.reward(nothing).shape == (0,)
+
+
 def test_policy_accuracy_shows_which_skills_the_policy_performs():
     metrics = train(make_skill(), range(40))
     assert metrics["prior/skill/policy_accuracy/trot"] > 0.95
