@@ -39,6 +39,16 @@ def test_of_equal_ones_the_newest_and_a_continued_run_goes_on():
     assert (first.iteration, second.iteration) == (5, 6)
 
 
+def test_a_state_from_before_the_difficulty_keeps_its_best():
+    best = BestCheckpoint(1)
+    best.load_state_dict({"reading": 0.9, "iteration": 3.0, "score": 0.95})
+    best.saved(4)
+    assert best.iteration == 3
+    best.read({"gait/trot/accuracy": 0.96})
+    best.saved(5)
+    assert best.iteration == 5
+
+
 def test_not_a_number_is_no_best():
     best = BestCheckpoint(1)
     best.read({"gait/trot/accuracy": float("nan")})

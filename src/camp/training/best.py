@@ -39,9 +39,10 @@ class BestCheckpoint:
         state = self._state
         if "reading" not in state:
             return
-        now = state.get("difficulty", 1.0), state["reading"]
-        if now >= (state.get("best_difficulty", 0.0), state.get("score", 0.0)):
-            self._state |= {"iteration": float(iteration), "best_difficulty": now[0], "score": now[1]}
+        # States of before there was a difficulty lack it: theirs were the whole conditions.
+        difficulty, reading = state.get("difficulty", 1.0), state["reading"]
+        if "score" not in state or (difficulty, reading) >= (state.get("best_difficulty", 1.0), state["score"]):
+            state |= {"iteration": float(iteration), "best_difficulty": difficulty, "score": reading}
 
     def state_dict(self) -> dict[str, float]:
         return dict(self._state)
